@@ -1,0 +1,86 @@
+//! What the graph stage hands on: the scene as nodes and edges.
+
+use serde::{Deserialize, Serialize};
+
+use crate::artefact::Payload;
+use crate::detection::Attributes;
+use crate::entity::SpatialRelation;
+use crate::geometry::PixelBox;
+use crate::id::{EntityId, FrameId};
+use crate::issue::Issue;
+use crate::vocab::LateralConvention;
+
+/// A person or object: the paper's v_i = (s_i, c_i), attributes and centre.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Node {
+    /// Identity.
+    pub id: EntityId,
+    /// Class name: `person` or the object's class.
+    pub category: String,
+    /// Confidence that it exists, in `[0, 1]`.
+    pub score: f64,
+    /// Where in the image, pixels.
+    #[serde(rename = "box")]
+    pub bbox: PixelBox,
+    /// What is believed of it.
+    #[serde(default)]
+    pub attributes: Attributes,
+    /// Centre `[x, y, z]`, metres, base frame (x forward, y left, z up).
+    #[serde(default)]
+    pub center: Option<[f64; 3]>,
+    /// Direction it faces, radians counter-clockwise from +x of the base frame.
+    #[serde(default)]
+    pub heading_rad: Option<f64>,
+    /// Where it is, seen from the robot.
+    #[serde(default)]
+    pub from_robot: Option<SpatialRelation>,
+}
+
+/// What an edge says of its two ends.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum EdgeRelation {
+    /// Where `to` is, seen from `from`.
+    Spatial(SpatialRelation),
+    /// What `from` does with `to`.
+    Interaction {
+        /// JRDB-Social's label.
+        label: String,
+    },
+}
+
+/// A directed edge.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Edge {
+    /// The subject: whose frame a direction is told in.
+    pub from: EntityId,
+    /// The object.
+    pub to: EntityId,
+    /// What holds between them.
+    pub relation: EdgeRelation,
+}
+
+/// One frame as a graph: nodes sorted by id, edges by ends, spatial before interaction.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct SceneGraph {
+    /// The frame.
+    pub frame: FrameId,
+    /// Which side "left" names in the words of this graph.
+    pub lateral: LateralConvention,
+    /// People and objects.
+    pub nodes: Vec<Node>,
+    /// Relations.
+    pub edges: Vec<Edge>,
+    /// What could not be built.
+    #[serde(default)]
+    pub issues: Vec<Issue>,
+}
+
+impl Payload for SceneGraph {
+    const SCHEMA: &'static str = "jrdb.scene_graph";
+    const VERSION: u32 = 1;
+}

@@ -1,0 +1,31 @@
+#![doc = include_str!("../README.md")]
+
+pub mod answer;
+pub mod artefact;
+pub mod detection;
+pub mod entity;
+pub mod geometry;
+pub mod graph;
+pub mod id;
+pub mod issue;
+pub mod query;
+pub mod question;
+pub mod rig;
+pub mod score;
+pub mod sensor;
+pub mod vocab;
+
+pub use answer::Answer;
+pub use artefact::{Artefact, ArtefactError, Payload};
+pub use detection::{Attributes, Belief, Detection, Detections};
+pub use entity::{Entities, Entity, Localizer, PairRelation, Position, SpatialRelation};
+pub use geometry::{Box3d, ImageGeometry, PixelBox};
+pub use graph::{Edge, EdgeRelation, Node, SceneGraph};
+pub use id::{EntityId, FrameId};
+pub use issue::{Issue, IssueKind, Span};
+pub use query::{Condition, Pattern, Query, RelationKind, RelationPattern, Task, Viewpoint};
+pub use question::{Question, Questions, Truth};
+pub use rig::{CylindricalPanorama, LidarMount, Rig};
+pub use score::Scores;
+pub use sensor::{Image, PointCloud};
+pub use vocab::{Action, Age, Direction, DistanceWord, Gender, LateralConvention, Race};

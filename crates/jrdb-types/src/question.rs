@@ -1,0 +1,49 @@
+//! Questions with their known answers, for scoring.
+
+use serde::{Deserialize, Serialize};
+
+use crate::artefact::Payload;
+use crate::geometry::PixelBox;
+use crate::id::{EntityId, FrameId};
+
+/// The known answer.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Truth {
+    /// Who is meant, sorted; empty where the source gives boxes only.
+    #[serde(default)]
+    pub ids: Vec<EntityId>,
+    /// Their boxes, pixels.
+    pub boxes: Vec<PixelBox>,
+    /// The number asked for, in counting questions.
+    #[serde(default)]
+    pub count: Option<usize>,
+}
+
+/// One question about one frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Question {
+    /// The words.
+    pub text: String,
+    /// The benchmark's category, for example `gender-age-race-HHG`; scores are averaged by it.
+    pub category: String,
+    /// The frame.
+    pub frame: FrameId,
+    /// The known answer, where there is one.
+    #[serde(default)]
+    pub truth: Option<Truth>,
+}
+
+/// A list of questions, in the order of their file.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Questions {
+    /// The questions.
+    pub questions: Vec<Question>,
+}
+
+impl Payload for Questions {
+    const SCHEMA: &'static str = "jrdb.questions";
+    const VERSION: u32 = 1;
+}

@@ -1,0 +1,313 @@
+//! The closed vocabularies: what can be said of a person, and what the words of distance and
+//! direction mean.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+/// A closed list of words. The JSON form is the variant in `snake_case`; [`fmt::Display`] gives the
+/// word as the JRDB-Reasoning benchmark spells it.
+macro_rules! vocabulary {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal,)+ }) => {
+        $(#[$doc])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name { $($(#[$variant_doc])* $variant,)+ }
+
+        impl $name {
+            /// Every word, in order.
+            pub const ALL: &[Self] = &[$(Self::$variant),+];
+
+            /// The word as the benchmark spells it.
+            #[must_use]
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word,)+ }
+            }
+
+            /// The entry with this spelling.
+            #[must_use]
+            pub fn from_word(word: &str) -> Option<Self> {
+                Self::ALL.iter().copied().find(|entry| entry.word() == word)
+            }
+        }
+
+        impl fmt::Display for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str(self.word())
+            }
+        }
+    };
+}
+
+vocabulary! {
+    /// Age group as an annotator or model sees it.
+    Age {
+        /// JRDB-Social `Childhood`.
+        Child = "child",
+        /// JRDB-Social `Adolescence`.
+        Adolescent = "adolescent",
+        /// JRDB-Social `Young_Adulthood`.
+        Young = "young",
+        /// JRDB-Social `Middle_Adulthood`.
+        MiddleAged = "middle-aged",
+        /// JRDB-Social `Late_Adulthood`.
+        Elderly = "elderly",
+    }
+}
+
+vocabulary! {
+    /// Gender as an annotator or model sees it.
+    Gender {
+        /// JRDB-Social `Male`.
+        Male = "male",
+        /// JRDB-Social `Female`.
+        Female = "female",
+    }
+}
+
+vocabulary! {
+    /// The benchmark's race words, as an annotator or model sees them.
+    Race {
+        /// JRDB-Social `Caucasian/White`.
+        White = "White",
+        /// JRDB-Social `Negroid/Black`.
+        Black = "Black",
+        /// JRDB-Social `Mongoloid/Asian`.
+        Asian = "Asian",
+    }
+}
+
+vocabulary! {
+    /// What the body does: the pose actions of JRDB-Act.
+    Action {
+        /// On the way on foot.
+        Walking = "walking",
+        /// Upright and still.
+        Standing = "standing",
+        /// Seated.
+        Sitting = "sitting",
+        /// Bent over.
+        Bending = "bending",
+        /// On the way, fast.
+        Running = "running",
+        /// On a bicycle.
+        Cycling = "cycling",
+        /// Upstairs.
+        GoingUp = "going up",
+        /// Downstairs.
+        GoingDown = "going down",
+        /// On a skateboard or skates.
+        Skating = "skating",
+        /// On a scooter.
+        Scootering = "scootering",
+    }
+}
+
+vocabulary! {
+    /// Distance in words: five right-closed bins of the distance between centres
+    /// (JRDB-Reasoning `discretize_distances2`).
+    DistanceWord {
+        /// At most 0.5 m.
+        VeryClose = "very close",
+        /// Over 0.5 m, at most 1.5 m.
+        Close = "close",
+        /// Over 1.5 m, at most 5 m.
+        Moderate = "moderate",
+        /// Over 5 m, at most 10 m.
+        Far = "far",
+        /// Over 10 m.
+        VeryFar = "very far",
+    }
+}
+
+impl DistanceWord {
+    /// Lower bound (exclusive) and upper bound (inclusive), metres.
+    #[must_use]
+    pub const fn bounds_m(self) -> (f64, f64) {
+        match self {
+            Self::VeryClose => (0.0, 0.5),
+            Self::Close => (0.5, 1.5),
+            Self::Moderate => (1.5, 5.0),
+            Self::Far => (5.0, 10.0),
+            Self::VeryFar => (10.0, f64::INFINITY),
+        }
+    }
+}
+
+vocabulary! {
+    /// Eight horizontal sectors of unequal width around a robot or person.
+    Sector {
+        /// 60° wide.
+        Front = "front",
+        /// 15° wide.
+        FrontLeft = "front left",
+        /// 90° wide.
+        Left = "left",
+        /// 10° wide.
+        BackLeft = "back left",
+        /// 70° wide.
+        Back = "back",
+        /// 10° wide.
+        BackRight = "back right",
+        /// 90° wide.
+        Right = "right",
+        /// 15° wide.
+        FrontRight = "front right",
+    }
+}
+
+impl Sector {
+    /// The same sector with left and right exchanged.
+    #[must_use]
+    pub const fn mirrored(self) -> Self {
+        match self {
+            Self::Front => Self::Front,
+            Self::FrontLeft => Self::FrontRight,
+            Self::Left => Self::Right,
+            Self::BackLeft => Self::BackRight,
+            Self::Back => Self::Back,
+            Self::BackRight => Self::BackLeft,
+            Self::Right => Self::Left,
+            Self::FrontRight => Self::FrontLeft,
+        }
+    }
+
+    /// From and to, degrees counter-clockwise (towards the physical left), under the physical
+    /// convention; `Back` goes from 145 to 215. Which bound belongs to which sector is
+    /// `jrdb_projection::direction`'s business.
+    #[must_use]
+    pub const fn bounds_deg(self) -> (f64, f64) {
+        match self {
+            Self::Front => (-30.0, 30.0),
+            Self::FrontLeft => (30.0, 45.0),
+            Self::Left => (45.0, 135.0),
+            Self::BackLeft => (135.0, 145.0),
+            Self::Back => (145.0, 215.0),
+            Self::BackRight => (-145.0, -135.0),
+            Self::Right => (-135.0, -45.0),
+            Self::FrontRight => (-45.0, -30.0),
+        }
+    }
+}
+
+vocabulary! {
+    /// Whether something is over or under by more than 1.5 m.
+    Elevation {
+        /// Within 1.5 m of the same height.
+        Level = "level",
+        /// More than 1.5 m higher.
+        Up = "up",
+        /// More than 1.5 m lower.
+        Down = "down",
+    }
+}
+
+/// Where something is, in words: a horizontal sector and an elevation.
+///
+/// Displayed as `front left`, or `up front left` when it is not level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Direction {
+    /// Horizontal sector.
+    pub sector: Sector,
+    /// Level, up or down.
+    pub elevation: Elevation,
+}
+
+impl Direction {
+    /// A direction at the same height.
+    #[must_use]
+    pub const fn level(sector: Sector) -> Self {
+        Self { sector, elevation: Elevation::Level }
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.elevation {
+            Elevation::Level => write!(f, "{}", self.sector),
+            elevation => write!(f, "{elevation} {}", self.sector),
+        }
+    }
+}
+
+vocabulary! {
+    /// Which side the word "left" names.
+    LateralConvention {
+        /// Left is left: counter-clockwise seen from above.
+        Physical = "physical",
+        /// As the JRDB-Reasoning engine has named it since 2026-02: left and right exchanged, and for
+        /// people up and down exchanged too.
+        EngineHead = "engine-head",
+    }
+}
+
+impl Default for LateralConvention {
+    /// Left is left; the benchmark's mirrored names are asked for by name.
+    fn default() -> Self {
+        Self::Physical
+    }
+}
+
+vocabulary! {
+    /// How much of a person others hide, as JRDB's annotators saw it.
+    Occlusion {
+        /// `Fully_visible`.
+        FullyVisible = "fully visible",
+        /// `Mostly_visible`.
+        MostlyVisible = "mostly visible",
+        /// `Severely_occluded`.
+        SeverelyOccluded = "severely occluded",
+        /// `Fully_occluded`.
+        FullyOccluded = "fully occluded",
+    }
+}
+
+vocabulary! {
+    /// How many of the asked attributes a candidate must have.
+    MatchPolicy {
+        /// All of them: the benchmark's ground truth.
+        Strict = "strict",
+        /// More than half of them: the paper's phase 1.
+        Majority = "majority",
+        /// The paper's two phases, then the best-satisfied tier by probability.
+        Ranked = "ranked",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_and_json_differ_and_both_are_stable() {
+        assert_eq!(Age::MiddleAged.to_string(), "middle-aged");
+        assert_eq!(serde_json::to_string(&Age::MiddleAged).unwrap(), r#""middle_aged""#);
+        assert_eq!(DistanceWord::from_word("very close"), Some(DistanceWord::VeryClose));
+        assert_eq!(Sector::from_word("frontleft"), None);
+    }
+
+    #[test]
+    fn sectors_tile_the_circle_and_mirror_onto_each_other() {
+        let width: f64 = Sector::ALL.iter().map(|s| s.bounds_deg().1 - s.bounds_deg().0).sum();
+        assert_eq!(width, 360.0);
+        for sector in Sector::ALL {
+            assert_eq!(sector.mirrored().mirrored(), *sector);
+        }
+    }
+
+    #[test]
+    fn distance_bins_tile_the_ray() {
+        for pair in DistanceWord::ALL.windows(2) {
+            assert_eq!(pair[0].bounds_m().1, pair[1].bounds_m().0);
+        }
+    }
+
+    #[test]
+    fn a_level_direction_is_just_its_sector() {
+        assert_eq!(Direction::level(Sector::FrontLeft).to_string(), "front left");
+        let up = Direction { sector: Sector::Back, elevation: Elevation::Up };
+        assert_eq!(up.to_string(), "up back");
+    }
+}
