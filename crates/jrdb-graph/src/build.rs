@@ -1,0 +1,147 @@
+//! The stage: entities and relations in, a flat graph out.
+
+use jrdb_types::vocab::Occlusion;
+use jrdb_types::{DistanceWord, Edge, EdgeRelation, Entities, Entity, Node, SceneGraph, SpatialRelation};
+use serde::{Deserialize, Serialize};
+
+/// Which pairs get a spatial edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Pairs {
+    /// Every pair.
+    #[default]
+    All,
+    /// Pairs at most 1.5 m apart ("close" and "very close"), as the benchmark builds its graphs.
+    Close,
+}
+
+/// What happens to people whom others hide.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Hidden {
+    /// They are nodes like others.
+    #[default]
+    Keep,
+    /// Severely and fully occluded ones are no nodes, as in the benchmark; edges to them stay.
+    LeaveOut,
+}
+
+/// Configuration of [`build`]. It is written into the artefact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct GraphConfig {
+    /// Which pairs get a spatial edge.
+    pub pairs: Pairs,
+    /// What happens to people whom others hide.
+    pub hidden: Hidden,
+}
+
+/// Builds the scene graph of one frame: nodes sorted by id, edges by their ends.
+#[must_use]
+pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
+    let visible = |entity: &&Entity| config.hidden == Hidden::Keep || !is_hidden(entity);
+    let mut nodes: Vec<Node> = entities.entities.iter().filter(visible).map(node).collect();
+    nodes.sort_by(|a, b| a.id.cmp(&b.id));
+    let close = |relation: &SpatialRelation| {
+        config.pairs == Pairs::All || relation.distance <= Some(DistanceWord::Close)
+    };
+    let spatial = entities.relations.iter().filter(|pair| close(&pair.relation)).map(|pair| Edge {
+        from: pair.subject.clone(),
+        to: pair.object.clone(),
+        relation: EdgeRelation::Spatial(pair.relation),
+    });
+    let interactions = entities.entities.iter().filter(visible).flat_map(|entity| {
+        entity.interactions.iter().map(|interaction| Edge {
+            from: entity.id.clone(),
+            to: interaction.partner.clone(),
+            relation: EdgeRelation::Interaction { label: interaction.label.clone() },
+        })
+    });
+    let mut edges: Vec<Edge> = spatial.chain(interactions).collect();
+    // Stable: of one pair, the spatial edge stays before the interactions.
+    edges.sort_by(|a, b| (&a.from, &a.to).cmp(&(&b.from, &b.to)));
+    let (frame, issues) = (entities.frame.clone(), entities.issues.clone());
+    SceneGraph { frame, lateral: entities.lateral, nodes, edges, issues }
+}
+
+fn is_hidden(entity: &Entity) -> bool {
+    matches!(entity.occlusion, Some(Occlusion::SeverelyOccluded | Occlusion::FullyOccluded))
+}
+
+fn node(entity: &Entity) -> Node {
+    Node {
+        id: entity.id.clone(),
+        category: entity.category.clone(),
+        score: entity.score,
+        bbox: entity.bbox,
+        attributes: entity.attributes.clone(),
+        center: entity.position.map(|position| position.center),
+        heading_rad: entity.heading_rad,
+        from_robot: entity.from_robot,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jrdb_types::detection::Interaction;
+    use jrdb_types::{EntityId, FrameId, LateralConvention, PairRelation, PixelBox};
+
+    fn person(number: u32, occlusion: Option<Occlusion>) -> Entity {
+        Entity {
+            id: EntityId::new("pedestrian", number),
+            category: "person".into(),
+            score: 1.0,
+            bbox: PixelBox::from([0.0, 0.0, 1.0, 1.0]),
+            attributes: Default::default(),
+            interactions: Vec::new(),
+            occlusion,
+            position: None,
+            box3d: None,
+            heading_rad: None,
+            from_robot: None,
+        }
+    }
+
+    fn pair(subject: u32, object: u32, distance: DistanceWord) -> PairRelation {
+        let relation = SpatialRelation { distance: Some(distance), ..SpatialRelation::default() };
+        let id = |n| EntityId::new("pedestrian", n);
+        PairRelation { subject: id(subject), object: id(object), relation }
+    }
+
+    fn scene() -> Entities {
+        let mut second = person(2, None);
+        second.interactions =
+            vec![Interaction { partner: EntityId::new("pedestrian", 1), label: "conversation".into() }];
+        Entities {
+            frame: FrameId::default(),
+            lateral: LateralConvention::Physical,
+            entities: vec![second, person(1, Some(Occlusion::FullyOccluded)), person(3, None)],
+            relations: vec![pair(2, 1, DistanceWord::Close), pair(1, 3, DistanceWord::Far)],
+            issues: Vec::new(),
+        }
+    }
+
+    fn edges(graph: &SceneGraph) -> Vec<(u32, u32, &'static str)> {
+        let kind = |relation: &EdgeRelation| match relation {
+            EdgeRelation::Spatial(_) => "spatial",
+            EdgeRelation::Interaction { .. } => "interaction",
+        };
+        graph.edges.iter().map(|e| (e.from.number, e.to.number, kind(&e.relation))).collect()
+    }
+
+    #[test]
+    fn everything_is_kept_and_sorted() {
+        let graph = build(&scene(), &GraphConfig::default());
+        assert_eq!(graph.nodes.iter().map(|n| n.id.number).collect::<Vec<_>>(), [1, 2, 3]);
+        assert_eq!(edges(&graph), [(1, 3, "spatial"), (2, 1, "spatial"), (2, 1, "interaction")]);
+    }
+
+    #[test]
+    fn the_benchmark_leaves_out_hidden_nodes_and_far_pairs_but_not_edges_to_the_hidden() {
+        let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };
+        let graph = build(&scene(), &config);
+        assert_eq!(graph.nodes.len(), 2);
+        assert_eq!(edges(&graph), [(2, 1, "spatial"), (2, 1, "interaction")]);
+    }
+}

@@ -1,0 +1,86 @@
+//! Conditions and findings in words, for the trace.
+
+use jrdb_types::query::{Category, RelationKind, Viewpoint};
+use jrdb_types::{Belief, Condition, Pattern, SpatialRelation};
+
+/// What a condition asks for.
+pub(crate) fn asked(condition: &Condition) -> String {
+    match condition {
+        Condition::Age(value) => format!("age {value}"),
+        Condition::Gender(value) => format!("gender {value}"),
+        Condition::Race(value) => format!("race {value}"),
+        Condition::Action(value) => format!("action {value}"),
+        Condition::RobotDistance(value) => format!("distance to the robot {value}"),
+        Condition::RobotDirection(value) => format!("direction from the robot {value}"),
+        Condition::Relation(relation) => {
+            format!("{} {}", relation_kind(&relation.kind), pattern(&relation.partner))
+        }
+    }
+}
+
+fn relation_kind(kind: &RelationKind) -> String {
+    match kind {
+        RelationKind::Interaction { label } => format!("{label} with"),
+        RelationKind::Spatial { distance, direction, viewpoint } => {
+            let distance = distance.map(|d| format!("{d}")).unwrap_or_default();
+            let comma = if distance.is_empty() || direction.is_none() { "" } else { ", " };
+            let place = match (direction, viewpoint) {
+                (None, _) => " to".into(),
+                (Some(direction), Viewpoint::Subject) => format!("on its own {direction} side"),
+                (Some(direction), Viewpoint::Partner) => format!("on the {direction} side of"),
+            };
+            format!("{distance}{comma}{place}")
+        }
+    }
+}
+
+/// A pattern as a noun phrase, `a young, female person`.
+pub(crate) fn pattern(pattern: &Pattern) -> String {
+    let noun = match &pattern.category {
+        Category::Person => "person",
+        Category::Object => "object",
+        Category::Class(name) => name,
+    };
+    let words: Vec<String> = pattern.conditions.iter().map(word).collect();
+    let conditions = if words.is_empty() { String::new() } else { format!("{} ", words.join(", ")) };
+    format!("a {conditions}{noun}")
+}
+
+fn word(condition: &Condition) -> String {
+    match condition {
+        Condition::Age(value) => value.to_string(),
+        Condition::Gender(value) => value.to_string(),
+        Condition::Race(value) => value.to_string(),
+        Condition::Action(value) => value.to_string(),
+        other => format!("({})", asked(other)),
+    }
+}
+
+/// The most probable value, with its probability when it is not certain.
+pub(crate) fn belief<T: Ord + Copy + std::fmt::Display>(belief: &Belief<T>) -> Option<String> {
+    let best = belief.best()?;
+    match belief.probability(best) {
+        1.0 => Some(best.to_string()),
+        p => Some(format!("{best} ({p:.2})")),
+    }
+}
+
+/// A distance in words and metres.
+pub(crate) fn distance(relation: &SpatialRelation) -> Option<String> {
+    let word = relation.distance?;
+    Some(relation.distance_m.map_or_else(|| word.to_string(), |m| format!("{word} ({m:.2} m)")))
+}
+
+/// A direction in words and degrees, counter-clockwise from the front.
+pub(crate) fn direction(relation: &SpatialRelation) -> Option<String> {
+    let word = relation.direction?;
+    let degrees = relation.bearing_rad.map(|b| format!("{word} ({:+.0}°)", b.to_degrees()));
+    Some(degrees.unwrap_or_else(|| word.to_string()))
+}
+
+/// Distance and direction.
+pub(crate) fn place(relation: &SpatialRelation) -> Option<String> {
+    let parts = [distance(relation), direction(relation)];
+    let known: Vec<String> = parts.into_iter().flatten().collect();
+    (!known.is_empty()).then(|| known.join(", "))
+}
