@@ -1,1 +1,10 @@
 #![doc = include_str!("../README.md")]
+
+mod grammar;
+mod lexicon;
+mod suggest;
+#[cfg(test)]
+mod tests;
+mod token;
+
+pub use grammar::parse;
