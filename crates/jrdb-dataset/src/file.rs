@@ -1,0 +1,57 @@
+//! Reading and writing whole files, with errors that name them.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::Error;
+
+pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
+    fs::read(path).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
+    fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+/// Writes a file and the folders above it.
+pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let folders = path.parent().map_or(Ok(()), fs::create_dir_all);
+    folders
+        .and_then(|()| fs::write(path, bytes))
+        .map_err(|source| Error::Write { path: path.into(), source })
+}
+
+/// What a folder holds, sorted; nothing when there is no such folder.
+pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let read_error = |source| Error::Read { path: folder.into(), source };
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut paths = fs::read_dir(folder)
+        .map_err(read_error)?
+        .map(|entry| entry.map(|entry| entry.path()).map_err(read_error))
+        .collect::<Result<Vec<_>, _>>()?;
+    paths.sort();
+    Ok(paths)
+}
+
+/// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12.
+pub(crate) fn frame_number(name: &str) -> Option<u32> {
+    let stem = Path::new(name).file_stem()?.to_str()?;
+    stem.bytes().all(|b| b.is_ascii_digit()).then(|| stem.parse().ok())?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frame_numbers_are_integer_stems() {
+        assert_eq!(frame_number("000012.jpg"), Some(12));
+        assert_eq!(frame_number("image_stitched/cafe_0/000000.pcd"), Some(0));
+        assert_eq!(frame_number("7"), Some(7));
+        for odd in ["", "+1.jpg", "cover.jpg", "99999999999.jpg", "..", "12a.png"] {
+            assert_eq!(frame_number(odd), None, "{odd}");
+        }
+    }
+}

@@ -1,0 +1,285 @@
+//! Pictures: PNG and JPEG to RGB, and RGB to PNG.
+
+use std::io::Cursor;
+use std::path::Path;
+
+use jrdb_types::Image;
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::zune_core::colorspace::ColorSpace;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use crate::{Error, file};
+
+/// Largest picture that is decoded, pixels: 70 times a JRDB panorama.
+const MAX_PIXELS: u64 = 1 << 27;
+
+/// No PNG or JPEG packs more pixels into a byte than DEFLATE's best ratio (1032) of one-bit pixels; a
+/// header that claims more is a lie, and its picture is never allocated.
+const MAX_PIXELS_PER_BYTE: u64 = 8 * 1032;
+
+/// Longest side that a JPEG header can state.
+const MAX_JPEG_SIDE: usize = 65_535;
+
+/// Bytes that the PNG decoder may use for itself: text, palettes, and a few rows.
+const PNG_WORKING_BYTES: usize = 1 << 26;
+
+const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
+const JPEG_MAGIC: &[u8] = b"\xff\xd8\xff";
+
+/// Why bytes are not a picture that can be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ImageError {
+    /// Neither PNG nor JPEG.
+    #[error("expected a png or jpeg, found a file that starts with {found:02x?}")]
+    UnknownFormat {
+        /// The first bytes, at most eight.
+        found: Vec<u8>,
+    },
+    /// The header states a size that is too large to decode or impossible for the number of bytes.
+    #[error("expected at most {limit} pixels, found a header that states {width} x {height}")]
+    TooLarge {
+        /// Pixels allowed for a file of this length.
+        limit: u64,
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+    },
+    /// The bytes break off or contradict themselves, or use a variant that is not supported.
+    #[error("expected a well-formed {format}")]
+    Malformed {
+        /// `png` or `jpeg`.
+        format: &'static str,
+        /// What is wrong.
+        #[source]
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+}
+
+/// Reads a PNG or a baseline or progressive JPEG as RGB; see [`decode_image`].
+///
+/// # Errors
+/// [`Error::Read`] or [`Error::Image`].
+pub fn read_image(path: &Path) -> Result<Image, Error> {
+    decode_image(&file::read(path)?).map_err(|source| Error::Image { path: path.into(), source })
+}
+
+/// Decodes a PNG or a baseline or progressive JPEG, told apart by their first bytes.
+///
+/// Grey and palette pictures become RGB, 16-bit samples keep their upper 8 bits, and an alpha channel
+/// is dropped. Of an animation the first picture is taken.
+///
+/// # Errors
+/// [`ImageError`]; a size over 2²⁷ pixels is refused before anything of that size is allocated.
+pub fn decode_image(bytes: &[u8]) -> Result<Image, ImageError> {
+    if bytes.starts_with(PNG_MAGIC) {
+        decode_png(bytes)
+    } else if bytes.starts_with(JPEG_MAGIC) {
+        decode_jpeg(bytes)
+    } else {
+        let found = bytes.iter().copied().take(PNG_MAGIC.len()).collect();
+        Err(ImageError::UnknownFormat { found })
+    }
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Image, ImageError> {
+    let mut decoder =
+        png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: PNG_WORKING_BYTES });
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let mut reader = decoder.read_info().map_err(png_error)?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
+    check_size(width, height, bytes.len())?;
+    let channels = reader.output_color_type().0.samples();
+    let mut samples = vec![0; channels * width * height];
+    reader.next_frame(&mut samples).map_err(png_error)?;
+    Ok(Image { width, height, rgb: rgb_from_channels(samples, channels) })
+}
+
+fn png_error(source: png::DecodingError) -> ImageError {
+    ImageError::Malformed { format: "png", source: Box::new(source) }
+}
+
+fn rgb_from_channels(samples: Vec<u8>, channels: usize) -> Vec<u8> {
+    match channels {
+        1 | 2 => samples.chunks_exact(channels).flat_map(|pixel| [pixel[0]; 3]).collect(),
+        4 => samples.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(),
+        _ => samples,
+    }
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Image, ImageError> {
+    let options = DecoderOptions::default()
+        .set_strict_mode(true)
+        .set_max_width(MAX_JPEG_SIDE)
+        .set_max_height(MAX_JPEG_SIDE)
+        .jpeg_set_out_colorspace(ColorSpace::RGB);
+    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
+    decoder.decode_headers().map_err(jpeg_error)?;
+    let (width, height) = decoder.dimensions().unwrap_or_default();
+    check_size(width, height, bytes.len())?;
+    let rgb = decoder.decode().map_err(jpeg_error)?;
+    if rgb.len() != 3 * width * height {
+        let found = format!("{} samples for {width} x {height} rgb pixels", rgb.len());
+        return Err(ImageError::Malformed { format: "jpeg", source: found.into() });
+    }
+    Ok(Image { width, height, rgb })
+}
+
+fn jpeg_error(source: zune_jpeg::errors::DecodeErrors) -> ImageError {
+    ImageError::Malformed { format: "jpeg", source: Box::new(source) }
+}
+
+fn check_size(width: usize, height: usize, bytes: usize) -> Result<(), ImageError> {
+    let limit = MAX_PIXELS.min(MAX_PIXELS_PER_BYTE.saturating_mul(bytes as u64));
+    let pixels = (width as u64).saturating_mul(height as u64);
+    if pixels > limit { Err(ImageError::TooLarge { limit, width, height }) } else { Ok(()) }
+}
+
+/// The picture as an 8-bit RGB PNG; equal pictures give equal bytes.
+///
+/// # Panics
+/// When a side is 0 or over 2³¹ - 1, or `rgb` does not hold 3 bytes for each pixel.
+#[must_use]
+pub fn encode_png(image: &Image) -> Vec<u8> {
+    let side = |pixels: usize| u32::try_from(pixels).expect("a side fits into 31 bits");
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, side(image.width), side(image.height));
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Balanced);
+    let mut writer = encoder.write_header().expect("the sides are not 0");
+    writer.write_image_data(&image.rgb).expect("3 bytes for each pixel");
+    writer.finish().expect("writing to memory does not fail");
+    bytes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const GRADIENT: &[u8] = include_bytes!("../testdata/gradient.jpg");
+    const PROGRESSIVE: &[u8] = include_bytes!("../testdata/gradient_progressive.jpg");
+    const GREY: &[u8] = include_bytes!("../testdata/gradient_grey.jpg");
+
+    fn png(color: png::ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 2, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if color == png::ColorType::Indexed {
+            encoder.set_palette(vec![1, 2, 3, 4, 5, 6]);
+        }
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        bytes
+    }
+
+    /// The picture that the test files were made from: red grows to the right, green downwards.
+    fn worst_difference(image: &Image) -> i32 {
+        let wanted = |x: usize, y: usize| [(x * 255 / 36) as i32, (y * 255 / 20) as i32, 128];
+        (0..37 * 21)
+            .flat_map(|i| {
+                let (x, y) = (i % 37, i / 37);
+                let found = image.pixel(x, y).map(i32::from);
+                std::array::from_fn::<i32, 3, _>(|c| (found[c] - wanted(x, y)[c]).abs())
+            })
+            .max()
+            .unwrap()
+    }
+
+    #[test]
+    fn baseline_and_progressive_jpeg_show_the_drawn_gradient() {
+        for (bytes, tolerance) in [(GRADIENT, 8), (PROGRESSIVE, 16)] {
+            let image = decode_image(bytes).unwrap();
+            assert_eq!((image.width, image.height), (37, 21));
+            assert!(worst_difference(&image) <= tolerance, "{}", worst_difference(&image));
+        }
+    }
+
+    #[test]
+    fn a_grey_jpeg_becomes_rgb() {
+        let image = decode_image(GREY).unwrap();
+        assert_eq!(image.rgb.len(), 3 * 37 * 21);
+        assert!(image.rgb.chunks(3).all(|p| p[0] == p[1] && p[1] == p[2]));
+        assert!(image.pixel(36, 20)[0] > image.pixel(0, 0)[0] + 100);
+    }
+
+    #[test]
+    fn every_png_kind_becomes_rgb() {
+        use png::BitDepth::{Eight, One, Sixteen};
+        use png::ColorType::{Grayscale, GrayscaleAlpha, Indexed, Rgb, Rgba};
+        let cases: [(png::ColorType, png::BitDepth, &[u8], [u8; 6]); 7] = [
+            (Grayscale, Eight, &[7, 9], [7, 7, 7, 9, 9, 9]),
+            (Grayscale, One, &[0b1000_0000], [255, 255, 255, 0, 0, 0]),
+            (GrayscaleAlpha, Eight, &[7, 0, 9, 255], [7, 7, 7, 9, 9, 9]),
+            (Rgb, Eight, &[1, 2, 3, 4, 5, 6], [1, 2, 3, 4, 5, 6]),
+            (Rgb, Sixteen, &[1, 0, 2, 0, 3, 0, 4, 0, 5, 0, 6, 0], [1, 2, 3, 4, 5, 6]),
+            (Rgba, Eight, &[1, 2, 3, 0, 4, 5, 6, 255], [1, 2, 3, 4, 5, 6]),
+            (Indexed, Eight, &[1, 0], [4, 5, 6, 1, 2, 3]),
+        ];
+        for (color, depth, data, rgb) in cases {
+            let image = decode_image(&png(color, depth, data)).unwrap();
+            assert_eq!(image.rgb, rgb, "{color:?} {depth:?}");
+        }
+    }
+
+    #[test]
+    fn pictures_survive_the_round_trip_with_equal_bytes() {
+        let image = decode_image(GRADIENT).unwrap();
+        let bytes = encode_png(&image);
+        assert_eq!(decode_image(&bytes).unwrap(), image);
+        assert_eq!(encode_png(&image), bytes);
+    }
+
+    #[test]
+    fn neither_png_nor_jpeg_is_named() {
+        let error = decode_image(b"GIF89a").unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "expected a png or jpeg, found a file that starts with [47, 49, 46, 38, 39, 61]"
+        );
+    }
+
+    #[test]
+    fn a_header_that_lies_about_the_size_is_refused() {
+        let mut lying = GRADIENT.to_vec();
+        let frame = lying.windows(2).position(|marker| marker == [0xff, 0xc0]).unwrap();
+        lying[frame + 5..frame + 9].copy_from_slice(&[0xff, 0xff, 0xff, 0xff]);
+        assert!(matches!(
+            decode_image(&lying),
+            Err(ImageError::TooLarge { width: 65_535, height: 65_535, .. })
+        ));
+        let too_many_for_its_bytes = check_size(1 << 13, 1 << 13, 100);
+        assert!(matches!(too_many_for_its_bytes, Err(ImageError::TooLarge { limit: 825_600, .. })));
+    }
+
+    #[test]
+    fn a_picture_that_breaks_off_is_malformed() {
+        let png = encode_png(&decode_image(GRADIENT).unwrap());
+        for whole in [&png[..], GRADIENT] {
+            let half = &whole[..whole.len() / 2];
+            assert!(matches!(decode_image(half), Err(ImageError::Malformed { .. })));
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn mutated_pictures_never_panic(
+            which in 0..4_usize,
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
+        ) {
+            let png = encode_png(&decode_image(GREY).unwrap());
+            let mut bytes = [GRADIENT, PROGRESSIVE, GREY, &png][which].to_vec();
+            for (at, value) in changes {
+                let at = at.index(bytes.len());
+                bytes[at] = value;
+            }
+            if let Ok(image) = decode_image(&bytes) {
+                prop_assert_eq!(image.rgb.len(), 3 * image.width * image.height);
+            }
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! LZF, the compression of `binary_compressed` point clouds.
+//!
+//! A stream is a list of chunks. A control byte under 32 is followed by that many plus one bytes to
+//! copy. Otherwise its upper three bits are a length less two (7: the next byte is added) and its
+//! lower five bits, with one more byte, a distance less one into what was already written.
+
+/// Most bytes that one byte of a stream can stand for: 264 from a chunk of three.
+pub(crate) const MAX_RATIO: usize = 88;
+
+const MAX_LITERALS: usize = 32;
+const MIN_MATCH: usize = 3;
+const MAX_MATCH: usize = 264;
+const MAX_DISTANCE: usize = 1 << 13;
+const LONG_MATCH: u8 = 7;
+const HASH_BITS: u32 = 14;
+
+/// The bytes that a stream stands for, if they are exactly `expected` many.
+///
+/// Nothing is allocated for an expectation that the stream cannot fulfil.
+pub(crate) fn decompress(stream: &[u8], expected: usize) -> Option<Vec<u8>> {
+    if expected > stream.len().saturating_mul(MAX_RATIO) {
+        return None;
+    }
+    let mut out = Vec::with_capacity(expected);
+    let mut rest = stream;
+    while let Some((&control, after)) = rest.split_first() {
+        rest = if usize::from(control) < MAX_LITERALS {
+            let (literals, after) = after.split_at_checked(usize::from(control) + 1)?;
+            out.extend_from_slice(literals);
+            after
+        } else {
+            copy_match(control, after, &mut out)?
+        };
+        if out.len() > expected {
+            return None;
+        }
+    }
+    (out.len() == expected).then_some(out)
+}
+
+/// Appends what a back-reference stands for; returns what follows it.
+fn copy_match<'a>(control: u8, after: &'a [u8], out: &mut Vec<u8>) -> Option<&'a [u8]> {
+    let (more, after) = match control >> 5 {
+        LONG_MATCH => after.split_first().map(|(&more, after)| (usize::from(more), after))?,
+        _ => (0, after),
+    };
+    let (&low, after) = after.split_first()?;
+    let length = usize::from(control >> 5) + more + 2;
+    let distance = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
+    let start = out.len().checked_sub(distance)?;
+    for i in start..start + length {
+        out.push(out[i]); // one by one: a match may overlap what it writes
+    }
+    Some(after)
+}
+
+/// A stream that stands for the bytes. Greedy: takes the latest earlier place with the same three bytes.
+pub(crate) fn compress(bytes: &[u8]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(bytes.len());
+    let mut latest = vec![usize::MAX; 1 << HASH_BITS];
+    let (mut at, mut literals_from) = (0, 0);
+    while at + MIN_MATCH <= bytes.len() {
+        let slot = &mut latest[hash(&bytes[at..at + MIN_MATCH])];
+        let earlier = std::mem::replace(slot, at);
+        let length = match_length(bytes, earlier, at);
+        if length < MIN_MATCH {
+            at += 1;
+            continue;
+        }
+        push_literals(&bytes[literals_from..at], &mut out);
+        push_match(length, at - earlier, &mut out);
+        at += length;
+        literals_from = at;
+    }
+    push_literals(&bytes[literals_from..], &mut out);
+    out
+}
+
+fn hash(three: &[u8]) -> usize {
+    let value = three.iter().fold(0_u32, |value, &byte| value << 8 | u32::from(byte));
+    (value.wrapping_mul(0x9e37_79b1) >> (u32::BITS - HASH_BITS)) as usize
+}
+
+fn match_length(bytes: &[u8], earlier: usize, at: usize) -> usize {
+    if earlier >= at || at - earlier > MAX_DISTANCE {
+        return 0;
+    }
+    let pairs = bytes[at..].iter().zip(&bytes[earlier..]).take(MAX_MATCH);
+    pairs.take_while(|(a, b)| a == b).count()
+}
+
+fn push_literals(literals: &[u8], out: &mut Vec<u8>) {
+    for run in literals.chunks(MAX_LITERALS) {
+        out.push((run.len() - 1) as u8);
+        out.extend_from_slice(run);
+    }
+}
+
+fn push_match(length: usize, distance: usize, out: &mut Vec<u8>) {
+    let (length, distance) = (length - 2, distance - 1);
+    let high = (distance >> 8) as u8;
+    if length < usize::from(LONG_MATCH) {
+        out.push((length as u8) << 5 | high);
+    } else {
+        out.push(LONG_MATCH << 5 | high);
+        out.push((length - usize::from(LONG_MATCH)) as u8);
+    }
+    out.push(distance as u8);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn a_known_stream_is_read_as_the_format_says() {
+        // "ab", then 5 bytes from 2 back, then "c", then 9 + 3 bytes from 1 back.
+        let stream = [1, b'a', b'b', 3 << 5, 1, 0, b'c', 7 << 5, 3, 0];
+        let bytes = decompress(&stream, 20).unwrap();
+        assert_eq!(bytes, b"abababacccccccccccccc"[..20]);
+    }
+
+    #[test]
+    fn streams_that_break_off_or_reach_back_too_far_are_refused() {
+        for stream in [&[5, 1][..], &[1 << 5], &[7 << 5, 1], &[1 << 5, 0], &[0, 9, 1 << 5, 1]] {
+            for expected in 0..12 {
+                assert_eq!(decompress(stream, expected), None, "{stream:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hostile_length_is_refused_before_it_is_allocated() {
+        assert_eq!(decompress(&[0, 1], usize::MAX), None);
+        assert_eq!(decompress(&[0, 1], 2), None);
+    }
+
+    #[test]
+    fn repetition_shrinks() {
+        let compressed = compress(&[7; 10_000]);
+        assert!(compressed.len() < 10_000 / 80, "{}", compressed.len());
+    }
+
+    proptest! {
+        #[test]
+        fn decompressing_undoes_compressing(bytes in prop::collection::vec(0..4_u8, 0..3000)) {
+            prop_assert_eq!(decompress(&compress(&bytes), bytes.len()).unwrap(), bytes);
+        }
+
+        #[test]
+        fn decompressing_undoes_compressing_noise(bytes in prop::collection::vec(any::<u8>(), 0..600), times in 1..40_usize) {
+            let bytes = bytes.repeat(times);
+            prop_assert_eq!(decompress(&compress(&bytes), bytes.len()).unwrap(), bytes);
+        }
+
+        #[test]
+        fn random_streams_never_panic(stream in prop::collection::vec(any::<u8>(), 0..300), expected in 0..20_000_usize) {
+            if let Some(bytes) = decompress(&stream, expected) {
+                prop_assert_eq!(bytes.len(), expected);
+            }
+        }
+    }
+}

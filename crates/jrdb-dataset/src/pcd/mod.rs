@@ -1,0 +1,378 @@
+//! Point clouds in the PCD format (versions .5, .6 and .7): ASCII, binary and LZF-compressed.
+
+mod header;
+mod write;
+
+use std::path::Path;
+
+use jrdb_types::PointCloud;
+
+use crate::{Error, file, lzf};
+use header::{Field, Header, Kind};
+pub use write::write;
+
+/// How the points of a PCD file are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Encoding {
+    /// One line of numbers for each point.
+    Ascii,
+    /// Little-endian numbers, point after point.
+    Binary,
+    /// Little-endian numbers, field after field, compressed with LZF. JRDB's own.
+    BinaryCompressed,
+}
+
+/// Why bytes are not a point cloud that can be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PcdError {
+    /// The header ends before its `DATA` line.
+    #[error("expected a pcd header with a DATA line, found {found}")]
+    NoHeader {
+        /// What was found instead.
+        found: String,
+    },
+    /// A header line that is not understood.
+    #[error("expected {expected} in the pcd header, found {found:?}")]
+    BadHeader {
+        /// What the line should say.
+        expected: &'static str,
+        /// The line, or the lack of it.
+        found: String,
+    },
+    /// The points take more bytes than there are.
+    #[error("expected {expected} bytes for {points} points, found {found}")]
+    TooShort {
+        /// Bytes that the header asks for.
+        expected: u128,
+        /// Points that the header states.
+        points: u64,
+        /// Bytes after the header.
+        found: usize,
+    },
+    /// The compressed block does not hold what it should.
+    #[error("expected an lzf block of {expected} bytes, found {found}")]
+    BadCompression {
+        /// Bytes that the header asks for.
+        expected: usize,
+        /// What the block says or gives.
+        found: String,
+    },
+    /// A line of an ASCII cloud has a wrong number of columns, or one that is not a number.
+    #[error("expected {expected} in point {point}, found {found:?}")]
+    BadRow {
+        /// What the line should hold.
+        expected: String,
+        /// Which point, from 0.
+        point: usize,
+        /// The line.
+        found: String,
+    },
+    /// An ASCII cloud has another number of lines than the header states.
+    #[error("expected {expected} points, found {found}")]
+    WrongCount {
+        /// Points that the header states.
+        expected: u64,
+        /// Lines found.
+        found: usize,
+    },
+}
+
+/// Reads a PCD file as the sweep of a sensor; see [`parse`].
+///
+/// # Errors
+/// [`Error::Read`] or [`Error::Pcd`].
+pub fn read_pcd(path: &Path, sensor: &str) -> Result<PointCloud, Error> {
+    parse(&file::read(path)?, sensor).map_err(|source| Error::Pcd { path: path.into(), source })
+}
+
+/// Parses a PCD file as the sweep of a sensor.
+///
+/// `x`, `y` and `z` must be 4- or 8-byte floats. `intensity` is kept when it is a float or an unsigned
+/// integer of at most 2 bytes; other fields are passed over. Points with a non-finite coordinate are
+/// left out and counted in [`PointCloud::skipped`]. Bytes after the last point are ignored in the
+/// binary encodings.
+///
+/// ```
+/// let text = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n\
+///             WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3\nnan 0 0\n";
+/// let cloud = jrdb_dataset::pcd::parse(text.as_bytes(), "upper_velodyne").unwrap();
+/// assert_eq!((cloud.x[0], cloud.len(), cloud.skipped), (1.0, 1, 1));
+/// ```
+///
+/// # Errors
+/// [`PcdError`]; nothing is allocated for points that the file has no bytes for.
+pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
+    let (header, body) = Header::parse(bytes)?;
+    let mut cloud = PointCloud { sensor: sensor.into(), ..PointCloud::default() };
+    match header.encoding {
+        Encoding::Ascii => read_ascii(&header, body, &mut cloud)?,
+        Encoding::Binary => {
+            let points = body.get(..header.body_bytes(body.len())?).unwrap_or_default();
+            let columns = header.columns(|field| (field.offset, header.row_bytes));
+            read_columns(points, header.points, &columns, &mut cloud);
+        }
+        Encoding::BinaryCompressed => {
+            let points = decompress(&header, body)?;
+            let count = header.points as usize;
+            let columns = header.columns(|field| (field.offset * count, field.size * field.count));
+            read_columns(&points, header.points, &columns, &mut cloud);
+        }
+    }
+    Ok(cloud)
+}
+
+/// Where the numbers of one field are in the body.
+#[derive(Clone, Copy)]
+struct Column {
+    kind: Kind,
+    start: usize,
+    stride: usize,
+}
+
+impl Column {
+    /// The field's value in a row; NaN past the end, which the size check before excludes.
+    fn value(self, body: &[u8], row: usize) -> f64 {
+        self.kind.read(body.get(self.start + row * self.stride..).unwrap_or_default())
+    }
+}
+
+fn read_columns(body: &[u8], points: u64, columns: &Columns, cloud: &mut PointCloud) {
+    for row in 0..points as usize {
+        let xyz = columns.xyz.map(|column| column.value(body, row));
+        push(cloud, xyz, columns.intensity.map(|column| column.value(body, row)));
+    }
+}
+
+/// The columns that make a cloud.
+struct Columns {
+    xyz: [Column; 3],
+    intensity: Option<Column>,
+}
+
+impl Header {
+    fn columns(&self, place: impl Fn(&Field) -> (usize, usize)) -> Columns {
+        let column = |field: &Field| {
+            let (start, stride) = place(field);
+            Column { kind: field.kind, start, stride }
+        };
+        Columns {
+            xyz: [column(&self.xyz[0]), column(&self.xyz[1]), column(&self.xyz[2])],
+            intensity: self.intensity.as_ref().map(column),
+        }
+    }
+}
+
+fn push(cloud: &mut PointCloud, [x, y, z]: [f64; 3], intensity: Option<f64>) {
+    if !(x.is_finite() && y.is_finite() && z.is_finite()) {
+        cloud.skipped += 1;
+        return;
+    }
+    cloud.x.push(x);
+    cloud.y.push(y);
+    cloud.z.push(z);
+    cloud.intensity.extend(intensity.map(|value| value as f32));
+}
+
+fn decompress(header: &Header, body: &[u8]) -> Result<Vec<u8>, PcdError> {
+    let expected = header.body_bytes(body.len().saturating_mul(lzf::MAX_RATIO))?;
+    let bad = |found: String| PcdError::BadCompression { expected, found };
+    let Some((sizes, rest)) = body.split_at_checked(8) else {
+        return Err(bad(format!("{} bytes, too few for its sizes", body.len())));
+    };
+    let size = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| sizes[at + i])) as usize;
+    if size(4) != expected {
+        return Err(bad(format!("one that states {}", size(4))));
+    }
+    let Some(stream) = rest.get(..size(0)) else {
+        return Err(bad(format!("{} of {} compressed bytes", rest.len(), size(0))));
+    };
+    lzf::decompress(stream, expected).ok_or_else(|| bad("a stream that stands for others".into()))
+}
+
+fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PcdError> {
+    let text = String::from_utf8_lossy(body);
+    let mut found = 0;
+    for line in text.lines().filter(|line| !line.trim().is_empty()) {
+        let bad =
+            |expected: String| PcdError::BadRow { expected, point: found, found: excerpt(line) };
+        let tokens: Vec<&str> = line.split_whitespace().collect();
+        if tokens.len() != header.columns_per_row {
+            return Err(bad(format!("{} columns", header.columns_per_row)));
+        }
+        let value = |field: &Field| {
+            field.kind.parse(tokens[field.column]).ok_or_else(|| bad("a number".into()))
+        };
+        let [x, y, z] = &header.xyz;
+        let xyz = [value(x)?, value(y)?, value(z)?];
+        push(cloud, xyz, header.intensity.as_ref().map(value).transpose()?);
+        found += 1;
+    }
+    if found as u64 == header.points {
+        Ok(())
+    } else {
+        Err(PcdError::WrongCount { expected: header.points, found })
+    }
+}
+
+/// The start of a text, short enough for a message.
+fn excerpt(text: &str) -> String {
+    const MAX_CHARS: usize = 80;
+    text.chars().take(MAX_CHARS).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const ENCODINGS: [Encoding; 3] =
+        [Encoding::Ascii, Encoding::Binary, Encoding::BinaryCompressed];
+
+    fn clouds() -> impl Strategy<Value = PointCloud> {
+        let point = (-100.0..100_f32, -100.0..100_f32, -3.0..3_f32, 0..255_u8);
+        (prop::collection::vec(point, 0..60), any::<bool>()).prop_map(|(points, has_intensity)| {
+            PointCloud {
+                sensor: "lower_velodyne".into(),
+                x: points.iter().map(|p| f64::from(p.0)).collect(),
+                y: points.iter().map(|p| f64::from(p.1)).collect(),
+                z: points.iter().map(|p| f64::from(p.2)).collect(),
+                intensity: points
+                    .iter()
+                    .filter(|_| has_intensity)
+                    .map(|p| f32::from(p.3))
+                    .collect(),
+                skipped: 0,
+            }
+        })
+    }
+
+    fn ascii(header: &str, rows: &str) -> String {
+        format!("# made by hand\nVERSION 0.7\n{header}\nDATA ascii\n{rows}")
+    }
+
+    fn error(text: &str) -> String {
+        parse(text.as_bytes(), "s").unwrap_err().to_string()
+    }
+
+    #[test]
+    fn fields_may_stand_in_any_order_among_others() {
+        let mut bytes = b"FIELDS ring z normal intensity y x\nSIZE 2 8 4 1 4 4\nTYPE U F F U F F\n\
+            COUNT 1 1 3 1 1 1\nPOINTS 1\nWIDTH 1\nHEIGHT 1\nVERSION .5\nDATA binary\n"
+            .to_vec();
+        bytes.extend(9_u16.to_le_bytes());
+        bytes.extend(3.25_f64.to_le_bytes());
+        bytes.extend([0xee; 12]);
+        bytes.push(200);
+        bytes.extend(2.5_f32.to_le_bytes());
+        bytes.extend(1.5_f32.to_le_bytes());
+        let cloud = parse(&bytes, "s").unwrap();
+        assert_eq!(
+            (cloud.x[0], cloud.y[0], cloud.z[0], cloud.intensity[0]),
+            (1.5, 2.5, 3.25, 200.0)
+        );
+    }
+
+    #[test]
+    fn ascii_columns_follow_the_counts_of_the_fields_before() {
+        let text = ascii(
+            "FIELDS normal x y z\nSIZE 4 4 4 4\nTYPE F F F F\nCOUNT 3 1 1 1\nWIDTH 1\nHEIGHT 1",
+            "9 9 9 1 2 3\n",
+        );
+        let cloud = parse(text.as_bytes(), "s").unwrap();
+        assert_eq!((cloud.x[0], cloud.y[0], cloud.z[0]), (1.0, 2.0, 3.0));
+    }
+
+    #[test]
+    fn points_without_a_place_are_counted_and_left_out_with_their_intensity() {
+        let text = ascii(
+            "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nWIDTH 3\nHEIGHT 1\nPOINTS 3",
+            "1 2 3 4\n-nan 0 0 5\n6 inf 7 8",
+        );
+        let cloud = parse(text.as_bytes(), "s").unwrap();
+        assert_eq!((cloud.len(), cloud.skipped, &cloud.intensity[..]), (1, 2, &[4.0][..]));
+    }
+
+    #[test]
+    fn an_intensity_of_another_type_is_passed_over() {
+        let text = ascii(
+            "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F I\nWIDTH 1\nHEIGHT 1",
+            "1 2 3 4",
+        );
+        assert!(parse(text.as_bytes(), "s").unwrap().intensity.is_empty());
+    }
+
+    #[test]
+    fn trouble_says_what_was_expected_and_found() {
+        let xyz = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 2\nHEIGHT 1";
+        let cases = [
+            (ascii(xyz, "1 2 3"), "expected 2 points, found 1"),
+            (ascii(xyz, "1 2 3\n1 2"), r#"expected 3 columns in point 1, found "1 2""#),
+            (ascii(xyz, "1 2 three"), r#"expected a number in point 0, found "1 2 three""#),
+            (ascii(xyz, "").replace("ascii", "binary"), "expected 24 bytes for 2 points, found 0"),
+            (
+                ascii(xyz, "\u{8}\0\0\0\u{18}\0\0\0").replace("ascii", "binary_compressed"),
+                "expected an lzf block of 24 bytes, found 0 of 8 compressed bytes",
+            ),
+            (
+                ascii(xyz, "\u{1}\0\0\0\u{19}\0\0\0\0").replace("ascii", "binary_compressed"),
+                "expected an lzf block of 24 bytes, found one that states 25",
+            ),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(error(&text), expected);
+        }
+    }
+
+    #[test]
+    fn a_line_without_end_is_quoted_in_part() {
+        let header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 1\nHEIGHT 1";
+        assert!(error(&ascii(header, &"7 ".repeat(10_000))).len() < 200);
+    }
+
+    #[test]
+    fn a_hostile_number_of_points_is_refused_before_it_is_allocated() {
+        let header = format!(
+            "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH {0}\nHEIGHT 1\nPOINTS {0}",
+            u64::MAX
+        );
+        for encoding in ["binary", "binary_compressed"] {
+            let text = ascii(&header, "123456789").replace("ascii", encoding);
+            assert!(matches!(parse(text.as_bytes(), "s"), Err(PcdError::TooShort { .. })));
+        }
+        assert!(matches!(
+            parse(ascii(&header, "1 2 3").as_bytes(), "s"),
+            Err(PcdError::WrongCount { found: 1, .. })
+        ));
+    }
+
+    proptest! {
+        #[test]
+        fn clouds_survive_the_round_trip_in_all_encodings(cloud in clouds()) {
+            for encoding in ENCODINGS {
+                prop_assert_eq!(&parse(&write(&cloud, encoding), "lower_velodyne").unwrap(), &cloud);
+            }
+        }
+
+        #[test]
+        fn random_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..500)) {
+            let _ = parse(&bytes, "s");
+        }
+
+        #[test]
+        fn mutated_files_never_panic(
+            cloud in clouds(),
+            encoding in prop::sample::select(&ENCODINGS[..]),
+            changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+            keep in any::<prop::sample::Index>(),
+        ) {
+            let mut bytes = write(&cloud, encoding);
+            for (at, value) in changes {
+                let at = at.index(bytes.len());
+                bytes[at] = value;
+            }
+            bytes.truncate(keep.index(bytes.len()) + 1);
+            let _ = parse(&bytes, "s");
+        }
+    }
+}

@@ -1,0 +1,375 @@
+//! JRDB-Reasoning data points: questions about one frame with their known answers.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+use jrdb_types::{EntityId, FrameId, PixelBox, Question, Questions, Truth};
+use serde::de::IgnoredAny;
+use serde::{Deserialize, Serialize};
+
+use crate::number::Real;
+use crate::{Error, file};
+
+/// The only slot that a question about one frame has.
+const SLOT: &str = "slot1";
+
+/// In front of a person's id in JRDB-Reasoning's files.
+const HUMAN: &str = "h_";
+
+/// The sub-question that asks for nothing but people.
+const ANYBODY: &str = "human";
+
+/// Attributes in the order in which the categories' names list them: key in the file, word in the name.
+const ATTRIBUTES: [(&str, &str); 9] = [
+    ("gender", "gender"),
+    ("age", "age"),
+    ("race", "race"),
+    ("action", "action"),
+    ("distance", "distance"),
+    ("SR_Robot_Ref", "SR/robot"),
+    ("hhi", "HHI"),
+    ("hhg", "HHG"),
+    ("hoi", "HOI"),
+];
+
+#[derive(Deserialize)]
+struct DataPoint {
+    category: Option<String>,
+    task_type: String,
+    data: Data<String>,
+    question: Asked,
+    #[serde(default)]
+    labels: BTreeMap<String, serde_json::Value>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Data<T> {
+    seq: T,
+    modality_type: T,
+}
+
+#[derive(Deserialize)]
+struct Asked {
+    question: String,
+    #[serde(default)]
+    timestamps: BTreeMap<String, Slot>,
+    #[serde(default)]
+    sub_questions: BTreeMap<String, IgnoredAny>,
+    #[serde(default)]
+    entities: Entities,
+}
+
+#[derive(Deserialize)]
+struct Slot {
+    #[serde(default)]
+    image_ids: Vec<String>,
+}
+
+#[derive(Default, Deserialize)]
+struct Entities {
+    #[serde(default)]
+    variation_slots: BTreeMap<String, Variation>,
+    #[serde(flatten)]
+    constant: BTreeMap<String, IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct Variation {
+    #[serde(default)]
+    variable: BTreeMap<String, IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+struct Known {
+    #[serde(rename = "final_ID")]
+    ids: Option<Vec<String>>,
+    #[serde(rename = "final_bbox")]
+    boxes: Option<Vec<[Real; 4]>>,
+    #[serde(rename = "final_answer")]
+    answer: Option<serde_json::Value>,
+}
+
+/// Reads a list of JRDB-Reasoning data points about single frames: `VG`, and `VQA` that counts.
+///
+/// The known answer is `final_ID` (without its `h_`), `final_bbox` and, in `VQA`, `final_answer` of
+/// `labels.slot1`. A `VQA` question whose answer is not a number is kept without a known answer. The
+/// category is the key `category` of our own where it is there; else the attributes asked, named as the
+/// benchmark does (`gender-age-race-HHG`); else `uncategorised`.
+///
+/// # Errors
+/// [`Error::Read`], [`Error::Json`], or [`Error::Content`] for a question about a video or another task,
+/// without a frame, or with a known answer that cannot be read.
+pub fn read_questions(path: &Path) -> Result<Questions, Error> {
+    parse(&file::read_text(path)?, path)
+}
+
+fn parse(text: &str, path: &Path) -> Result<Questions, Error> {
+    let expected = "a list of JRDB-Reasoning data points";
+    let points: Vec<DataPoint> = serde_json::from_str(text).map_err(|source| Error::Json {
+        expected,
+        path: path.into(),
+        source,
+    })?;
+    let questions = points.into_iter().enumerate().map(|(index, point)| {
+        question(point).map_err(|(expected, found)| {
+            Error::content(path, format!("{expected} in question {index}"), found)
+        })
+    });
+    Ok(Questions { questions: questions.collect::<Result<_, _>>()? })
+}
+
+/// What was expected, and what was found.
+type Mismatch = (&'static str, String);
+
+fn question(point: DataPoint) -> Result<Question, Mismatch> {
+    if point.data.modality_type != "image" {
+        return Err(("modality_type \"image\"", format!("{:?}", point.data.modality_type)));
+    }
+    if !["VG", "VQA"].contains(&point.task_type.as_str()) {
+        return Err(("task_type \"VG\" or \"VQA\"", format!("{:?}", point.task_type)));
+    }
+    let sequence = point.data.seq.strip_suffix(".json").unwrap_or(&point.data.seq);
+    let frame = FrameId { sequence: sequence.into(), frame: frame(&point)? };
+    let truth = match point.labels.get(SLOT) {
+        Some(known) => truth(known, &point.task_type)?,
+        None => None,
+    };
+    let category = point.category.unwrap_or_else(|| derived_category(&point.question));
+    Ok(Question { text: point.question.question, category, frame, truth })
+}
+
+fn frame(point: &DataPoint) -> Result<u32, Mismatch> {
+    let images = point.question.timestamps.get(SLOT).map(|slot| slot.image_ids.as_slice());
+    let images = images.unwrap_or_default();
+    images
+        .first()
+        .and_then(|name| file::frame_number(name))
+        .ok_or_else(|| ("timestamps.slot1.image_ids with a frame number", format!("{images:?}")))
+}
+
+fn truth(known: &serde_json::Value, task: &str) -> Result<Option<Truth>, Mismatch> {
+    let known = Known::deserialize(known)
+        .map_err(|error| ("final_ID, final_bbox and final_answer", error.to_string()))?;
+    let counts = task == "VQA";
+    let count = known.answer.as_ref().filter(|_| counts).and_then(count);
+    if (counts && count.is_none()) || (!counts && known.ids.is_none() && known.boxes.is_none()) {
+        return Ok(None);
+    }
+    let mut ids =
+        known.ids.unwrap_or_default().iter().map(|id| human(id)).collect::<Result<Vec<_>, _>>()?;
+    let boxes = known.boxes.unwrap_or_default();
+    let mut boxes: Vec<PixelBox> =
+        boxes.into_iter().map(|numbers| numbers.map(|Real(number)| number).into()).collect();
+    let numbers = |bbox: &PixelBox| <[f64; 4]>::from(*bbox);
+    if let Some(bbox) = boxes.iter().find(|bbox| !numbers(bbox).iter().all(|n| n.is_finite())) {
+        return Err(("boxes of finite numbers", format!("{:?}", numbers(bbox))));
+    }
+    if ids.len() == boxes.len() {
+        let mut pairs: Vec<_> = ids.into_iter().zip(boxes).collect();
+        pairs.sort_by(|a, b| a.0.cmp(&b.0));
+        (ids, boxes) = pairs.into_iter().unzip();
+    }
+    ids.sort();
+    Ok(Some(Truth { ids, boxes, count }))
+}
+
+/// A whole number, bare or as text.
+fn count(answer: &serde_json::Value) -> Option<usize> {
+    match answer {
+        serde_json::Value::String(text) => text.trim().parse().ok(),
+        _ => answer.as_u64().and_then(|count| usize::try_from(count).ok()),
+    }
+}
+
+fn human(id: &str) -> Result<EntityId, Mismatch> {
+    let bare = id.strip_prefix(HUMAN).unwrap_or(id);
+    bare.parse().map_err(|_| ("ids like \"h_pedestrian:12\"", format!("{id:?}")))
+}
+
+/// The attributes asked, joined by hyphens.
+fn derived_category(asked: &Asked) -> String {
+    let keys = asked.sub_questions.keys().flat_map(|key| key.split(", "));
+    let mut keys: BTreeSet<&str> = keys.collect();
+    if keys.is_empty() {
+        let slots = asked.entities.variation_slots.values();
+        let variable = slots.flat_map(|slot| slot.variable.keys());
+        keys = variable.chain(asked.entities.constant.keys()).map(String::as_str).collect();
+    }
+    let names: Vec<&str> =
+        ATTRIBUTES.iter().filter(|(key, _)| keys.contains(key)).map(|(_, name)| *name).collect();
+    match names[..] {
+        [] if keys.contains(ANYBODY) => ANYBODY.into(),
+        [] => "uncategorised".into(),
+        _ => names.join("-"),
+    }
+}
+
+#[derive(Serialize)]
+struct DataPointOut<'a> {
+    category: &'a str,
+    task_type: &'static str,
+    r#type: &'static str,
+    data: Data<String>,
+    question: AskedOut<'a>,
+    labels: BTreeMap<&'static str, KnownOut>,
+}
+
+#[derive(Serialize)]
+struct AskedOut<'a> {
+    question: &'a str,
+    timestamps: BTreeMap<&'static str, SlotOut>,
+}
+
+#[derive(Serialize)]
+struct SlotOut {
+    t1: f64,
+    t2: f64,
+    image_ids: [String; 1],
+    r#type: &'static str,
+}
+
+#[derive(Serialize)]
+struct KnownOut {
+    image_ids: [String; 1],
+    #[serde(rename = "final_ID")]
+    ids: Vec<String>,
+    #[serde(rename = "final_bbox")]
+    boxes: Vec<PixelBox>,
+    #[serde(rename = "final_answer", skip_serializing_if = "Option::is_none")]
+    answer: Option<usize>,
+}
+
+/// The questions as a list of JRDB-Reasoning data points with a key `category` of our own.
+///
+/// [`read_questions`] gives the same questions back. A question with a number as its known answer is
+/// `VQA`, any other `VG`.
+///
+/// # Panics
+/// Never: every key is a string.
+#[must_use]
+pub fn write_questions(questions: &Questions) -> String {
+    let points: Vec<_> = questions.questions.iter().map(data_point).collect();
+    let mut text = serde_json::to_string_pretty(&points).expect("keys are strings");
+    text.push('\n');
+    text
+}
+
+fn data_point(question: &Question) -> DataPointOut<'_> {
+    let image_ids = [format!("{:06}.jpg", question.frame.frame)];
+    let time = f64::from(question.frame.frame);
+    let slot = SlotOut { t1: time, t2: time, image_ids: image_ids.clone(), r#type: "specific" };
+    let known = question.truth.as_ref().map(|truth| KnownOut {
+        image_ids,
+        ids: truth.ids.iter().map(|id| format!("{HUMAN}{id}")).collect(),
+        boxes: truth.boxes.clone(),
+        answer: truth.count,
+    });
+    let counts = question.truth.as_ref().is_some_and(|truth| truth.count.is_some());
+    DataPointOut {
+        category: &question.category,
+        task_type: if counts { "VQA" } else { "VG" },
+        r#type: "human",
+        data: Data {
+            seq: format!("{}.json", question.frame.sequence),
+            modality_type: "image".into(),
+        },
+        question: AskedOut { question: &question.text, timestamps: BTreeMap::from([(SLOT, slot)]) },
+        labels: known.map(|known| (SLOT, known)).into_iter().collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const POINT: &str = r#"{"task_type": "VG", "type": "human", "difficulty_level": 3, "question_level": "U(S)P(T)",
+        "data": {"seq": "x_0.json", "modality_type": "image", "specs": {"fps": 15}},
+        "question": {"question": "Find child and Black person who is standing", "spatial_level": 2,
+            "entities": {"id": "h_pedestrian:6", "variation_slots": {"slot1": {"start": 2, "end": 2, "variable": {
+                "action": {"variable": ["standing"]}, "face_visibility": {"variable": ["visible"]}}}},
+                "age": "child", "race": "Black"},
+            "timestamps": {"slot1": {"t1": 2.0, "t2": 2.0, "image_ids": ["000002.jpg"], "type": "specific"}},
+            "sub_questions": {"age": "Find child person", "age, gender": "..", "age, gender, hhg": "..", "human": "Find all persons"}},
+        "labels": {"slot1": {"image_ids": ["000002.jpg"], "final_ID": ["h_pedestrian:6", "h_pedestrian:2"],
+            "final_bbox": [[165, 0, 202, 480], [1638, 0, "202", 480]],
+            "age": {"target_ID": ["h_pedestrian:2"], "target_bbox": [[1, 2, 3, 4]]}}}}"#;
+
+    fn read(points: &str) -> Result<Questions, Error> {
+        parse(&format!("[{points}]"), Path::new("questions.json"))
+    }
+
+    fn error(points: &str) -> String {
+        read(points).unwrap_err().to_string()
+    }
+
+    fn category(old: &str, new: &str) -> String {
+        read(&POINT.replace(old, new)).unwrap().questions[0].category.clone()
+    }
+
+    #[test]
+    fn a_data_point_of_the_benchmark_is_read() {
+        let question = read(POINT).unwrap().questions.remove(0);
+        assert_eq!(question.text, "Find child and Black person who is standing");
+        assert_eq!(question.frame, FrameId { sequence: "x_0".into(), frame: 2 });
+        assert_eq!(question.category, "gender-age-HHG");
+        let truth = question.truth.unwrap();
+        assert_eq!(truth.ids, [EntityId::new("pedestrian", 2), EntityId::new("pedestrian", 6)]);
+        assert_eq!(truth.boxes[0].x, 1638.0, "boxes follow their ids");
+        assert_eq!(truth.count, None);
+    }
+
+    #[test]
+    fn categories_come_from_our_key_the_sub_questions_or_the_entity() {
+        assert_eq!(category(r#""task_type""#, r#""category": "mine", "task_type""#), "mine");
+        assert_eq!(category(r#""sub_questions""#, r#""other""#), "age-race-action");
+        let only_people = r#""sub_questions": {"human": ".."}, "other""#;
+        assert_eq!(category(r#""sub_questions""#, only_people), "human");
+        let nothing = POINT.replace("sub_questions", "other").replace("entities", "else");
+        assert_eq!(read(&nothing).unwrap().questions[0].category, "uncategorised");
+    }
+
+    #[test]
+    fn a_counting_question_has_a_number_as_its_answer() {
+        let vqa = POINT.replace(r#""VG""#, r#""VQA""#);
+        for answer in ["3", r#""3""#] {
+            let point =
+                vqa.replace(r#""final_ID""#, &format!(r#""final_answer": {answer}, "final_ID""#));
+            let truth = read(&point).unwrap().questions[0].truth.clone().unwrap();
+            assert_eq!((truth.count, truth.ids.len()), (Some(3), 2));
+        }
+        let words = vqa.replace(r#""final_ID""#, r#""final_answer": ["male"], "final_ID""#);
+        assert_eq!(read(&words).unwrap().questions[0].truth, None);
+    }
+
+    #[test]
+    fn questions_survive_the_round_trip() {
+        let mut questions = read(&[POINT, POINT, POINT].join(",")).unwrap();
+        questions.questions[1].truth = None;
+        questions.questions[2].truth.as_mut().unwrap().count = Some(2);
+        let text = write_questions(&questions);
+        assert_eq!(parse(&text, Path::new("q")).unwrap(), questions);
+    }
+
+    #[test]
+    fn trouble_names_the_question() {
+        let place = r#"in "questions.json""#;
+        assert_eq!(
+            error(&POINT.replace(r#""image","#, r#""video","#)),
+            format!(r#"expected modality_type "image" in question 0, found "video", {place}"#)
+        );
+        assert_eq!(
+            error(&format!("{POINT}, {}", POINT.replace("h_pedestrian:2", "h_None"))),
+            format!(
+                r#"expected ids like "h_pedestrian:12" in question 1, found "h_None", {place}"#
+            )
+        );
+        assert_eq!(
+            error(&POINT.replace("000002.jpg", "cover.jpg")),
+            format!(
+                "expected timestamps.slot1.image_ids with a frame number in question 0, \
+                 found [\"cover.jpg\"], {place}"
+            )
+        );
+        assert_eq!(error("{}"), format!("expected a list of JRDB-Reasoning data points {place}"));
+    }
+}
