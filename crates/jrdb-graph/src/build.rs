@@ -22,7 +22,7 @@ pub enum Hidden {
     /// They are nodes like others.
     #[default]
     Keep,
-    /// Severely and fully occluded ones are no nodes, as in the benchmark; edges to them stay.
+    /// Severely and fully occluded ones are no nodes, as in the benchmark; their edges stay.
     LeaveOut,
 }
 
@@ -50,7 +50,7 @@ pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
         to: pair.object.clone(),
         relation: EdgeRelation::Spatial(pair.relation),
     });
-    let interactions = entities.entities.iter().filter(visible).flat_map(|entity| {
+    let interactions = entities.entities.iter().flat_map(|entity| {
         entity.interactions.iter().map(|interaction| Edge {
             from: entity.id.clone(),
             to: interaction.partner.clone(),
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn the_benchmark_leaves_out_hidden_nodes_and_far_pairs_but_not_edges_to_the_hidden() {
+    fn the_benchmark_leaves_out_hidden_nodes_and_far_pairs_but_not_edges_of_the_hidden() {
         let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };
         let graph = build(&scene(), &config);
         assert_eq!(graph.nodes.len(), 2);

@@ -1,1 +1,17 @@
 #![doc = include_str!("../README.md")]
+
+pub mod draw;
+pub mod engine;
+pub mod frame;
+pub mod output;
+pub mod perceive;
+pub mod report;
+pub mod run;
+pub mod source;
+//SYNTH pub mod synth;
+
+mod error;
+
+pub use error::Error;
+pub use frame::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
+pub use run::{RunOptions, RunResult, run};

@@ -1,0 +1,334 @@
+//! Scores of the answers to a list of questions.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use jrdb_types::score::{IouKind, QuestionScore, Summary};
+use jrdb_types::{Answer, EntityId, PixelBox, Question, Scores, Truth};
+use serde::{Deserialize, Serialize};
+
+use crate::coco::{self, Area, Dataset, DetectionBox, GroundTruthBox};
+use crate::matching::match_boxes;
+
+/// How answers are scored.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct MetricsConfig {
+    /// IoU on the plane (official) or on the circle.
+    pub iou: IouKind,
+    /// Circumference of the panorama, pixels. Without it IoU is planar whatever `iou` says, and
+    /// [`Scores::iou`] tells so.
+    pub period_px: Option<f64>,
+    /// Least IoU of a match.
+    pub match_iou: f64,
+}
+
+impl Default for MetricsConfig {
+    /// As the JRDB-Reasoning evaluator: on the plane, a match from 0.5.
+    fn default() -> Self {
+        Self { iou: IouKind::Planar, period_px: None, match_iou: 0.5 }
+    }
+}
+
+impl MetricsConfig {
+    fn circle_px(&self) -> Option<f64> {
+        self.period_px.filter(|period| self.iou == IouKind::Circular && *period > 0.0)
+    }
+}
+
+/// A question and the answer that was given to it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Outcome<'a> {
+    /// What was asked, with its truth.
+    pub question: &'a Question,
+    /// What was answered.
+    pub answer: &'a Answer,
+}
+
+/// Scores answers; questions without a known answer are left out.
+///
+/// The boxes of a selection are looked up in the answer's ranking; a selected id without a box counts
+/// as a false positive. AP50 and mAP pool all rankings as one class with the probabilities as scores,
+/// each question an image of its own, at most COCO's 100 candidates each, and are -1 where no question
+/// has a true box. A question without true boxes adds 0 to `miou_gt` and `miou_query`, as in the
+/// benchmark; ratios without a denominator are 0.
+///
+/// ```
+/// use jrdb_metrics::{MetricsConfig, Outcome, evaluate};
+/// # use jrdb_types::{answer::Ranked, vocab::MatchPolicy, *};
+/// # let id = EntityId::new("pedestrian", 3);
+/// # let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
+/// # let frame = FrameId { sequence: "cafe".into(), frame: 0 };
+/// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], count: None };
+/// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), truth: Some(truth) };
+/// # let answer = Answer { frame, question: "Find all men".into(), task: Task::Find, policy: MatchPolicy::Ranked,
+/// #     lateral: LateralConvention::Physical, selection: vec![id.clone()], count: None,
+/// #     ranking: vec![Ranked { id, bbox, probability: 0.9 }], trace: vec![], issues: vec![] };
+/// let scores = evaluate(&[Outcome { question: &question, answer: &answer }], &MetricsConfig::default());
+/// assert_eq!(scores.overall.exact, 1);
+/// assert_eq!(scores.categories["gender"].miou_gt, 1.0);
+/// ```
+#[must_use]
+pub fn evaluate(outcomes: &[Outcome<'_>], config: &MetricsConfig) -> Scores {
+    let scored: Vec<Scored<'_>> =
+        outcomes.iter().filter_map(|outcome| Scored::new(*outcome, config)).collect();
+    let mut by_category: BTreeMap<String, Vec<&Scored<'_>>> = BTreeMap::new();
+    for one in &scored {
+        by_category.entry(one.score.category.clone()).or_default().push(one);
+    }
+    let circle_px = config.circle_px();
+    Scores {
+        iou: if circle_px.is_some() { IouKind::Circular } else { IouKind::Planar },
+        overall: summary(&scored.iter().collect::<Vec<_>>(), circle_px),
+        categories: by_category.into_iter().map(|(c, all)| (c, summary(&all, circle_px))).collect(),
+        questions: scored.into_iter().map(|one| one.score).collect(),
+    }
+}
+
+struct Scored<'a> {
+    truth: &'a Truth,
+    answer: &'a Answer,
+    score: QuestionScore,
+}
+
+impl<'a> Scored<'a> {
+    fn new(Outcome { question, answer }: Outcome<'a>, config: &MetricsConfig) -> Option<Self> {
+        let truth = question.truth.as_ref()?;
+        let boxes = selected_boxes(answer);
+        let matches = match_boxes(&truth.boxes, &boxes, config.match_iou, config.circle_px());
+        let score = QuestionScore {
+            frame: question.frame.clone(),
+            question: question.text.clone(),
+            category: question.category.clone(),
+            exact: exact(truth, answer),
+            true_positives: matches.count,
+            false_positives: answer.selection.len() - matches.count,
+            false_negatives: truth.boxes.len() - matches.count,
+            matched_iou: matches.iou_sum,
+        };
+        Some(Self { truth, answer, score })
+    }
+}
+
+fn selected_boxes(answer: &Answer) -> Vec<PixelBox> {
+    let boxes: BTreeMap<&EntityId, PixelBox> =
+        answer.ranking.iter().map(|ranked| (&ranked.id, ranked.bbox)).collect();
+    answer.selection.iter().filter_map(|id| boxes.get(id).copied()).collect()
+}
+
+fn exact(truth: &Truth, answer: &Answer) -> Option<bool> {
+    if truth.count.is_some() {
+        return Some(answer.count == truth.count);
+    }
+    let boxes_only = truth.ids.is_empty() && !truth.boxes.is_empty();
+    let set = |ids: &'_ [EntityId]| ids.iter().cloned().collect::<BTreeSet<_>>();
+    (!boxes_only).then(|| set(&truth.ids) == set(&answer.selection))
+}
+
+fn summary(scored: &[&Scored<'_>], circle_px: Option<f64>) -> Summary {
+    let questions = scored.len();
+    let count =
+        |of: fn(&QuestionScore) -> usize| scored.iter().map(|s| of(&s.score)).sum::<usize>();
+    let right = count(|s| s.true_positives);
+    let sum = |of: fn(&Scored<'_>) -> f64| scored.iter().map(|s| of(s)).sum::<f64>();
+    let matched_iou = sum(|s| s.score.matched_iou);
+    let per_truth = sum(|s| ratio(s.score.matched_iou, s.truth.boxes.len()));
+    let per_match = sum(|s| ratio(s.score.matched_iou, s.score.true_positives));
+    let (ap50, map) = average_precision(scored, circle_px);
+    Summary {
+        questions,
+        exact: scored.iter().filter(|s| s.score.exact == Some(true)).count(),
+        miou_gt: ratio(per_truth, questions),
+        miou_matched: ratio(matched_iou, right),
+        miou_query: ratio(per_match, questions),
+        precision: ratio(right as f64, right + count(|s| s.false_positives)),
+        recall: ratio(right as f64, right + count(|s| s.false_negatives)),
+        ap50,
+        map,
+    }
+}
+
+fn ratio(part: f64, whole: usize) -> f64 {
+    if whole == 0 { 0.0 } else { part / whole as f64 }
+}
+
+fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f64) {
+    const ONE_CLASS: u64 = 1;
+    const COCO_LIMIT: usize = 100;
+    let mut dataset = Dataset::default();
+    for (image, one) in (0..).zip(scored) {
+        let truth = one.truth.boxes.iter();
+        dataset.truth.extend(truth.map(|&bbox| GroundTruthBox::new(image, ONE_CLASS, bbox)));
+        dataset.detections.extend(one.answer.ranking.iter().map(|ranked| DetectionBox {
+            image,
+            category: ONE_CLASS,
+            bbox: ranked.bbox,
+            score: ranked.probability,
+        }));
+    }
+    let config =
+        coco::Config { period_px, max_detections: vec![COCO_LIMIT], areas: vec![Area::All] };
+    let statistics = coco::evaluate(&dataset, &config).statistics();
+    (statistics.ap50, statistics.ap)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jrdb_types::answer::Ranked;
+    use jrdb_types::vocab::MatchPolicy;
+    use jrdb_types::{FrameId, LateralConvention, Task};
+    use proptest::prelude::*;
+
+    fn id(number: u32) -> EntityId {
+        EntityId::new("pedestrian", number)
+    }
+
+    fn at(x: f64) -> PixelBox {
+        PixelBox::from([x, 10.0, 40.0, 100.0])
+    }
+
+    fn question(category: &str, numbers: &[u32]) -> Question {
+        let ids = numbers.iter().map(|&n| id(n)).collect();
+        let boxes = numbers.iter().map(|&n| at(f64::from(n) * 100.0)).collect();
+        Question {
+            text: "Find them".into(),
+            category: category.into(),
+            frame: FrameId::default(),
+            truth: Some(Truth { ids, boxes, count: None }),
+        }
+    }
+
+    /// Selects `selected` and ranks them above `others`.
+    fn answer(selected: &[u32], others: &[u32]) -> Answer {
+        let ranked = |probability| {
+            move |&n: &u32| Ranked { id: id(n), bbox: at(f64::from(n) * 100.0), probability }
+        };
+        Answer {
+            frame: FrameId::default(),
+            question: "Find them".into(),
+            task: Task::Find,
+            policy: MatchPolicy::Ranked,
+            lateral: LateralConvention::Physical,
+            selection: selected.iter().map(|&n| id(n)).collect(),
+            count: None,
+            ranking: selected
+                .iter()
+                .map(ranked(0.9))
+                .chain(others.iter().map(ranked(0.1)))
+                .collect(),
+            trace: vec![],
+            issues: vec![],
+        }
+    }
+
+    fn score(question: &Question, answer: &Answer) -> Scores {
+        evaluate(&[Outcome { question, answer }], &MetricsConfig::default())
+    }
+
+    #[test]
+    fn a_missed_person_lowers_the_headline_only() {
+        let s = score(&question("age", &[1, 2]), &answer(&[1], &[]));
+        assert_eq!(
+            (s.overall.miou_gt, s.overall.miou_matched, s.overall.miou_query),
+            (0.5, 1.0, 1.0)
+        );
+        assert_eq!((s.overall.precision, s.overall.recall), (1.0, 0.5));
+        assert_eq!(s.questions[0].exact, Some(false));
+    }
+
+    #[test]
+    fn an_unanswered_question_lowers_both_means_but_not_the_sum() {
+        let (q, right, none) = (question("age", &[1]), answer(&[1], &[]), answer(&[], &[]));
+        let outcomes =
+            [Outcome { question: &q, answer: &right }, Outcome { question: &q, answer: &none }];
+        let s = evaluate(&outcomes, &MetricsConfig::default()).overall;
+        assert_eq!((s.miou_gt, s.miou_matched, s.miou_query), (0.5, 1.0, 0.5));
+    }
+
+    #[test]
+    fn nobody_meant_and_nobody_selected_is_exact_but_adds_nothing_to_the_means() {
+        let s = score(&question("age", &[]), &answer(&[], &[5]));
+        assert_eq!(s.overall.exact, 1);
+        assert_eq!((s.overall.miou_gt, s.overall.miou_query), (0.0, 0.0));
+        assert_eq!((s.overall.ap50, s.overall.map), (-1.0, -1.0));
+    }
+
+    #[test]
+    fn average_precision_sees_the_ranking_and_not_the_selection() {
+        let s = score(&question("age", &[1, 2]), &answer(&[1], &[2]));
+        assert!((s.overall.map - 1.0).abs() < 1e-12);
+        let s = score(&question("age", &[2]), &answer(&[1], &[2]));
+        assert!((s.overall.ap50 - 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn counting_is_exact_by_number_whoever_was_counted() {
+        let mut q = question("count", &[1, 2]);
+        q.truth.as_mut().unwrap().count = Some(2);
+        let mut a = answer(&[1, 7], &[]);
+        a.count = Some(2);
+        let s = score(&q, &a);
+        assert_eq!(s.questions[0].exact, Some(true));
+        assert_eq!((s.questions[0].true_positives, s.questions[0].false_positives), (1, 1));
+        a.count = None;
+        assert_eq!(score(&q, &a).questions[0].exact, Some(false));
+    }
+
+    #[test]
+    fn boxes_without_names_cannot_be_exact_and_questions_without_truth_are_left_out() {
+        let mut q = question("age", &[1]);
+        q.truth.as_mut().unwrap().ids.clear();
+        assert_eq!(score(&q, &answer(&[1], &[])).questions[0].exact, None);
+        q.truth = None;
+        assert_eq!(
+            score(&q, &answer(&[1], &[])).overall,
+            Summary { ap50: -1.0, map: -1.0, ..Summary::default() }
+        );
+    }
+
+    #[test]
+    fn a_selected_name_without_a_box_is_a_false_positive() {
+        let mut a = answer(&[1], &[]);
+        a.selection.push(id(9));
+        let s = score(&question("age", &[1]), &a);
+        assert_eq!((s.questions[0].true_positives, s.questions[0].false_positives), (1, 1));
+    }
+
+    #[test]
+    fn the_scores_say_which_iou_was_really_used() {
+        let (q, mut a) = (question("age", &[1]), answer(&[1], &[]));
+        a.ranking[0].bbox.x += 1000.0;
+        let outcome = [Outcome { question: &q, answer: &a }];
+        let mut config = MetricsConfig { iou: IouKind::Circular, ..MetricsConfig::default() };
+        assert_eq!(evaluate(&outcome, &config).iou, IouKind::Planar);
+        config.period_px = Some(1000.0);
+        let circular = evaluate(&outcome, &config);
+        assert_eq!((circular.iou, circular.overall.miou_gt), (IouKind::Circular, 1.0));
+    }
+
+    #[test]
+    fn an_unknown_setting_is_refused() {
+        let error = serde_json::from_str::<MetricsConfig>(r#"{"iuo": "planar"}"#).unwrap_err();
+        assert!(error.to_string().contains("unknown field `iuo`"));
+    }
+
+    proptest! {
+        #[test]
+        fn a_perfect_answer_scores_one(numbers in proptest::collection::btree_set(0_u32..40, 1..9)) {
+            let numbers: Vec<u32> = numbers.into_iter().collect();
+            let s = score(&question("age", &numbers), &answer(&numbers, &[90, 91])).overall;
+            prop_assert_eq!(s.exact, 1);
+            for value in [s.miou_gt, s.miou_matched, s.miou_query, s.precision, s.recall, s.ap50, s.map] {
+                prop_assert!((value - 1.0).abs() < 1e-12);
+            }
+        }
+
+        #[test]
+        fn one_category_is_the_whole(truth in proptest::collection::btree_set(0_u32..9, 0..6),
+                                     selected in proptest::collection::btree_set(0_u32..9, 0..6)) {
+            let (truth, selected): (Vec<u32>, Vec<u32>) = (truth.into_iter().collect(), selected.into_iter().collect());
+            let s = score(&question("age", &truth), &answer(&selected, &[]));
+            prop_assert_eq!(&s.categories["age"], &s.overall);
+        }
+    }
+}

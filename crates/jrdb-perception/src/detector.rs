@@ -1,0 +1,78 @@
+//! The two seams of perception: what finds things, and what describes them.
+
+use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
+
+use crate::engine::EngineError;
+
+/// Finds things in an image.
+pub trait Detector {
+    /// The things in the image, numbered from left to right.
+    ///
+    /// # Errors
+    /// When the image, the settings or the model cannot be used.
+    fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError>;
+
+    /// Every setting that shapes the detections, for the artefact's `config`.
+    fn config(&self) -> serde_json::Value;
+}
+
+/// Says what a detected thing looks like.
+pub trait AttributeModel {
+    /// What is believed of one detection; an empty belief where the model cannot tell.
+    ///
+    /// # Errors
+    /// When the image or the model cannot be used.
+    fn describe(&self, image: &Image, detection: &Detection)
+    -> Result<Attributes, PerceptionError>;
+}
+
+/// Why an image could not be perceived.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PerceptionError {
+    /// The image has no pixels, or another number of bytes than its size says.
+    #[error("expected 3 bytes for each of {width} x {height} pixels, at least one, found {bytes}")]
+    Image {
+        /// Columns.
+        width: usize,
+        /// Rows.
+        height: usize,
+        /// Bytes found.
+        bytes: usize,
+    },
+    /// A setting is outside its range.
+    #[error("expected {setting} {expected}, found {found}")]
+    Setting {
+        /// Name of the setting.
+        setting: &'static str,
+        /// Its range, in words.
+        expected: &'static str,
+        /// Its value.
+        found: f64,
+    },
+    /// The model's output does not have the form that its decoder knows.
+    #[error("expected output {name:?} to be {expected}, found {found}")]
+    Output {
+        /// Name of the tensor.
+        name: &'static str,
+        /// Type and shape wanted.
+        expected: String,
+        /// Type and shape found.
+        found: String,
+    },
+    /// The engine could not load or run the model.
+    #[error("the model could not be used")]
+    Engine(#[from] EngineError),
+}
+
+/// Whether the image has pixels, and as many bytes as its size says.
+pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
+    let Image { width, height, rgb } = image;
+    let expected = width.checked_mul(*height).and_then(|pixels| pixels.checked_mul(3));
+    let fits = |side: &usize| u32::try_from(*side).is_ok();
+    if rgb.is_empty() || expected != Some(rgb.len()) || !fits(width) || !fits(height) {
+        let (width, height) = (*width, *height);
+        return Err(PerceptionError::Image { width, height, bytes: rgb.len() });
+    }
+    Ok(())
+}

@@ -1,0 +1,65 @@
+//! The command line: `run` does everything, the other commands do one stage each.
+
+mod models;
+mod run;
+mod stage;
+//SYNTH mod synth;
+
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Find people in a 360° image and LiDAR cloud by asking for them in English.
+#[derive(Debug, Parser)]
+#[command(name = "jrdb", version, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// All stages: who is meant, where, and why
+    Run(run::RunArgs),
+    /// Image to detections
+    Perceive(stage::PerceiveArgs),
+    /// Detections and points to entities in 3D
+    Project(stage::ProjectArgs),
+    /// Entities to a scene graph
+    Graph(stage::GraphArgs),
+    /// English to a query
+    Parse(stage::ParseArgs),
+    /// Scene graph and query to an answer
+    Search(stage::SearchArgs),
+    /// Answers and truth to scores
+    Evaluate(stage::EvaluateArgs),
+    /// Write a JRDB-format dataset of drawn people, with questions and answers
+//SYNTH    Synth(synth::SynthArgs),
+    /// Model files: which are known, which are there
+    Models(models::ModelsArgs),
+}
+
+/// How results are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(crate) enum Format {
+    /// For people.
+    #[default]
+    Text,
+    /// For programs.
+    Json,
+}
+
+pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
+    match cli.command {
+        Command::Run(args) => run::run(&args),
+        Command::Perceive(args) => stage::perceive(&args),
+        Command::Project(args) => stage::project(&args),
+        Command::Graph(args) => stage::graph(&args),
+        Command::Parse(args) => stage::parse(&args),
+        Command::Search(args) => stage::search(&args),
+        Command::Evaluate(args) => stage::evaluate(&args),
+//SYNTH        Command::Synth(args) => synth::synth(&args),
+        Command::Models(args) => models::models(&args),
+    }
+}

@@ -1,0 +1,246 @@
+//! `jrdb run`.
+
+use std::ops::Range;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
+use jrdb_pipeline::perceive::PerceptionSource;
+use jrdb_pipeline::source::Source;
+use jrdb_pipeline::{Error, PipelineConfig, RunOptions, report};
+use jrdb_types::score::IouKind;
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{LateralConvention, Localizer};
+
+use super::Format;
+
+/// Which frames.
+#[derive(Debug, Args)]
+pub(crate) struct SourceArgs {
+    /// A scene folder, all its frames; may be given several times
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["dataset", "sequence"])]
+    scene: Vec<PathBuf>,
+    /// The root of a JRDB tree
+    #[arg(long, value_name = "ROOT", requires = "sequence")]
+    dataset: Option<PathBuf>,
+    /// A sequence of the tree
+    #[arg(long, value_name = "NAME", requires = "dataset")]
+    sequence: Option<String>,
+    /// Frame numbers, B exclusive; all when absent
+    #[arg(long, value_name = "A..B", value_parser = frame_range)]
+    pub(crate) frames: Option<Range<u32>>,
+}
+
+impl SourceArgs {
+    pub(crate) fn sources(&self) -> Result<Vec<Source>, Error> {
+        match (&self.dataset, &self.sequence) {
+            (Some(root), Some(name)) => {
+                Ok(vec![Source::Sequence { root: root.clone(), name: name.clone() }])
+            }
+            _ if self.scene.is_empty() => {
+                Err(Error::Usage("expected --scene DIR, or --dataset ROOT and --sequence NAME".into()))
+            }
+            _ => Ok(self.scene.iter().cloned().map(Source::Scene).collect()),
+        }
+    }
+}
+
+fn frame_range(text: &str) -> Result<Range<u32>, String> {
+    let expected = || format!("expected A..B with A < B, found {text:?}");
+    let (start, end) = text.split_once("..").ok_or_else(expected)?;
+    let [start, end] = [start, end].map(str::parse);
+    match (start, end) {
+        (Ok(start), Ok(end)) if start < end => Ok(start..end),
+        _ => Err(expected()),
+    }
+}
+
+/// Where detections come from.
+#[derive(Debug, Args)]
+pub(crate) struct PerceptionArgs {
+    /// labels, file:PATH (our detections or COCO results), or ssdlite
+    #[arg(long, default_value = "labels", value_name = "SOURCE")]
+    pub(crate) perception: PerceptionSource,
+    /// Folder with model files
+    #[arg(long, default_value = "models", value_name = "DIR")]
+    pub(crate) models: PathBuf,
+    /// Which engine runs models
+    #[arg(long, value_enum, default_value_t)]
+    engine: EngineChoice,
+    /// ONNX Runtime's shared library
+    #[arg(long, value_name = "PATH")]
+    onnxruntime: Option<PathBuf>,
+}
+
+impl PerceptionArgs {
+    pub(crate) fn engine(&self) -> EngineOptions {
+        let (library, models) = (self.onnxruntime.clone(), self.models.clone());
+        EngineOptions { choice: self.engine, library, models }
+    }
+}
+
+/// How people are placed.
+#[derive(Debug, Args)]
+pub(crate) struct ProjectionArgs {
+    /// Which side "left" names; engine-head mirrors it, as the benchmark's engine does
+    #[arg(long, value_enum, default_value_t)]
+    lateral: Lateral,
+    /// How positions are found
+    #[arg(long, value_enum, default_value_t)]
+    localizer: LocalizerArg,
+}
+
+impl ProjectionArgs {
+    pub(crate) fn apply(&self, config: &mut PipelineConfig) {
+        config.projection.lateral = match self.lateral {
+            Lateral::Physical => LateralConvention::Physical,
+            Lateral::EngineHead => LateralConvention::EngineHead,
+        };
+        config.projection.localizer = match self.localizer {
+            LocalizerArg::DensestRange => Localizer::DensestRange,
+            LocalizerArg::Mean => Localizer::Mean,
+            LocalizerArg::Given => Localizer::Given,
+        };
+    }
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum Lateral {
+    #[default]
+    Physical,
+    EngineHead,
+}
+
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+enum LocalizerArg {
+    /// Densest range bin in the core of the box
+    #[default]
+    DensestRange,
+    /// Mean of all points in the box (the paper)
+    Mean,
+    /// The 3D box that came with the detection
+    Given,
+}
+
+/// How many of the asked attributes a candidate must have.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Match {
+    /// The paper's two phases, then the best-satisfied tier
+    #[default]
+    Ranked,
+    /// All of them
+    Strict,
+    /// More than half of them
+    Majority,
+}
+
+impl From<Match> for MatchPolicy {
+    fn from(policy: Match) -> Self {
+        match policy {
+            Match::Ranked => Self::Ranked,
+            Match::Strict => Self::Strict,
+            Match::Majority => Self::Majority,
+        }
+    }
+}
+
+/// Which IoU scores use.
+#[derive(Debug, Clone, Copy, Default, ValueEnum)]
+pub(crate) enum Iou {
+    /// On the plane, as the official evaluators
+    #[default]
+    Planar,
+    /// On the circle of the panorama
+    Circular,
+}
+
+impl Iou {
+    pub(crate) fn apply(self, config: &mut PipelineConfig) {
+        config.metrics.iou = match self {
+            Self::Planar => IouKind::Planar,
+            Self::Circular => IouKind::Circular,
+        };
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    perception: PerceptionArgs,
+    #[command(flatten)]
+    projection: ProjectionArgs,
+    /// A question for every frame; may be given several times
+    #[arg(long, value_name = "TEXT")]
+    query: Vec<String>,
+    /// Questions in the JRDB-Reasoning layout; a scene's own are taken when neither this nor --query is given
+    #[arg(long, value_name = "FILE")]
+    questions: Option<PathBuf>,
+    /// How many of the asked attributes a candidate must have
+    #[arg(long = "match", value_enum, default_value_t)]
+    policy: Match,
+    /// Which IoU scores use
+    #[arg(long, value_enum, default_value_t)]
+    iou: Iou,
+    /// Folder for answers and pictures
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Write every stage's artefact, too
+    #[arg(long, requires = "out")]
+    artifacts: bool,
+    /// Worker threads; the output does not depend on it
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    threads: Option<u16>,
+    /// How results are printed
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl RunArgs {
+    fn options(&self) -> Result<RunOptions, Error> {
+        let mut config = PipelineConfig::default();
+        self.projection.apply(&mut config);
+        self.iou.apply(&mut config);
+        config.search.policy = self.policy.into();
+        Ok(RunOptions {
+            sources: self.source.sources()?,
+            frames: self.source.frames.clone(),
+            perception: self.perception.perception.clone(),
+            models: self.perception.models.clone(),
+            engine: self.perception.engine(),
+            queries: self.query.clone(),
+            questions: self.questions.clone(),
+            config,
+            threads: self.threads.map(usize::from),
+            out: self.out.clone(),
+            artifacts: self.artifacts,
+        })
+    }
+}
+
+pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
+    let options = args.options()?;
+    // Drawn on stderr, and only when that is a terminal.
+    let style = ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+    let progress = ProgressBar::new_spinner().with_style(style);
+    let result = jrdb_pipeline::run(&options, &|| progress.inc(1))?;
+    progress.finish_and_clear();
+    match args.format {
+        Format::Text => print!("{}", report::text(&result)),
+        Format::Json => print!("{}", report::json(&result, &options.config)),
+    }
+    if let (Format::Text, Some(out)) = (args.format, &args.out) {
+        println!("answers and pictures are in {}", out.display());
+    }
+    for frame in &result.frames {
+        if let Err(error) = &frame.output {
+            eprintln!("error: {}: {error}", frame.id);
+        }
+    }
+    let failed = result.frames.iter().any(|frame| frame.output.is_err());
+    Ok(ExitCode::from(u8::from(failed)))
+}

@@ -1,0 +1,223 @@
+//! One stage per command: artefacts in, an artefact out.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use anyhow::{Result, bail};
+use clap::Args;
+use jrdb_metrics::Outcome;
+use jrdb_pipeline::output::{read_artefact, write_artefact};
+use jrdb_pipeline::perceive::Perceiver;
+use jrdb_pipeline::source::{FrameSource, Source, list_frames};
+use jrdb_pipeline::{Error, PipelineConfig, report};
+use jrdb_types::{
+    Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph,
+};
+use serde_json::{Value, json};
+
+use super::Format;
+use super::run::{Iou, Match, PerceptionArgs, ProjectionArgs, SourceArgs};
+
+/// Where a stage's artefact goes.
+#[derive(Debug, Args)]
+pub(crate) struct OutputArgs {
+    /// File for the artefact
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// json prints the artefact
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+impl OutputArgs {
+    fn give<T: Payload + Clone>(&self, config: Value, data: &T, summary: &str) -> Result<ExitCode> {
+        if let Some(path) = &self.out {
+            write_artefact(path, config.clone(), data)?;
+        }
+        match self.format {
+            Format::Text => println!("{summary}"),
+            Format::Json => print!("{}", Artefact::new(config, data.clone()).to_json()),
+        }
+        Ok(ExitCode::SUCCESS)
+    }
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct PerceiveArgs {
+    #[command(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    perception: PerceptionArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
+    let frame = only_frame(&args.source)?;
+    let options = (&args.perception.perception, &args.perception.models, args.perception.engine());
+    let frames = [frame];
+    let perceiver = Perceiver::open(options.0, &frames, options.1, &options.2)?;
+    for note in perceiver.notes() {
+        eprintln!("{note}");
+    }
+    let [frame] = frames;
+    let detections = perceiver.detect(&frame, frame.read().image.as_ref())?;
+    let lines = detections.detections.iter().map(|d| {
+        let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
+        format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
+    });
+    let issues = detections.issues.iter().map(|issue| format!("note: {}", issue.message));
+    let summary = lines.chain(issues).collect::<Vec<_>>().join("\n");
+    args.output.give(perceiver.config().clone(), &detections, &summary)
+}
+
+fn only_frame(source: &SourceArgs) -> Result<FrameSource> {
+    let mut frames = list_frames(&source.sources()?, source.frames.as_ref())?;
+    if frames.len() > 1 {
+        bail!(Error::Usage(format!("expected one frame, found {}: name it with --frames A..B", frames.len())));
+    }
+    frames.pop().ok_or_else(|| Error::Usage("expected one frame, found none".into()).into())
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ProjectArgs {
+    /// Detections of one frame
+    #[arg(long, value_name = "FILE")]
+    detections: PathBuf,
+    /// The tree with that frame's clouds and calibration
+    #[arg(long, value_name = "ROOT")]
+    dataset: PathBuf,
+    #[command(flatten)]
+    projection: ProjectionArgs,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
+    let detections: Detections = read_artefact(&args.detections)?;
+    let id = &detections.frame;
+    let source = Source::Sequence { root: args.dataset.clone(), name: id.sequence.clone() };
+    let frames = list_frames(&[source], Some(&(id.frame..id.frame.saturating_add(1))))?;
+    let mut config = PipelineConfig::default();
+    args.projection.apply(&mut config);
+    let sensors = frames[0].read();
+    let projected =
+        jrdb_projection::project(&detections, &sensors.clouds, &frames[0].rig, &config.projection);
+    let mut entities = projected.map_err(|source| Error::Projection { frame: id.to_string(), source })?;
+    entities.issues.splice(0..0, sensors.issues.into_iter().filter(|i| !i.message.contains("image_stitched")));
+    let lines = entities.entities.iter().map(|e| match e.position {
+        None => format!("{} nowhere", e.id),
+        Some(p) => {
+            let [x, y, z] = p.center;
+            format!("{} at {x:.2} {y:.2} {z:.2} m from {} points", e.id, p.points_used)
+        }
+    });
+    let issues = entities.issues.iter().map(|issue| format!("note: {}", issue.message));
+    let summary = lines.chain(issues).collect::<Vec<_>>().join("\n");
+    args.output.give(json!(config.projection), &entities, &summary)
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct GraphArgs {
+    /// Entities of one frame
+    #[arg(long, value_name = "FILE")]
+    entities: PathBuf,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn graph(args: &GraphArgs) -> Result<ExitCode> {
+    let entities: Entities = read_artefact(&args.entities)?;
+    let config = jrdb_graph::GraphConfig::default();
+    let graph = jrdb_graph::build(&entities, &config);
+    let summary = format!("{} nodes, {} edges", graph.nodes.len(), graph.edges.len());
+    args.output.give(json!(config), &graph, &summary)
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct ParseArgs {
+    /// The question
+    text: String,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
+    let query = jrdb_parser::parse(&args.text);
+    let target = serde_json::to_string(&query.target)?;
+    let issues = query.issues.iter().map(|issue| report::query_issue_text(&args.text, issue));
+    let head = format!("{}\n{:?} {target}", query.text, query.task);
+    let summary = issues.fold(head, |all, issue| format!("{all}\n{issue}"));
+    args.output.give(json!({}), &query, &summary)
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct SearchArgs {
+    /// A scene graph
+    #[arg(long, value_name = "FILE")]
+    graph: PathBuf,
+    /// A query as `jrdb parse` writes it
+    #[arg(long, value_name = "FILE", required_unless_present = "text")]
+    query: Option<PathBuf>,
+    /// A question in English, instead
+    #[arg(long, value_name = "TEXT", conflicts_with = "query")]
+    text: Option<String>,
+    /// How many of the asked attributes a candidate must have
+    #[arg(long = "match", value_enum, default_value_t)]
+    policy: Match,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
+    let graph: SceneGraph = read_artefact(&args.graph)?;
+    let query: Query = match (&args.query, &args.text) {
+        (Some(path), _) => read_artefact(path)?,
+        (None, text) => jrdb_parser::parse(text.as_deref().unwrap_or_default()),
+    };
+    let config = jrdb_search::SearchConfig { policy: args.policy.into(), ..Default::default() };
+    let answer = jrdb_search::search(&graph, &query, &config);
+    let why = answer.trace.iter().map(|t| {
+        format!("{} {}", if t.selected { "yes" } else { "no " }, report::why(t))
+    });
+    let summary = why.collect::<Vec<_>>().join("\n");
+    args.output.give(json!(config), &answer, &summary)
+}
+
+#[derive(Debug, Args)]
+pub(crate) struct EvaluateArgs {
+    /// Answers; may be given several times
+    #[arg(long, value_name = "FILE", required = true)]
+    answers: Vec<PathBuf>,
+    /// Questions with their truth, in the JRDB-Reasoning layout
+    #[arg(long, value_name = "FILE")]
+    questions: PathBuf,
+    /// Which IoU scores use
+    #[arg(long, value_enum, default_value_t)]
+    iou: Iou,
+    /// Circumference of the panorama for circular IoU, pixels
+    #[arg(long, default_value_t = 3760.0, value_name = "PX")]
+    period_px: f64,
+    #[command(flatten)]
+    output: OutputArgs,
+}
+
+pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
+    let questions = jrdb_dataset::read_questions(&args.questions).map_err(Error::from)?;
+    let answers = args.answers.iter().map(|path| read_artefact(path));
+    let answers: Vec<Answer> = answers.collect::<Result<_, Error>>()?;
+    let find = |answer: &Answer| {
+        let asked = |q: &&Question| q.frame == answer.frame && q.text == answer.question;
+        questions.questions.iter().find(asked)
+    };
+    let outcomes: Vec<Outcome<'_>> =
+        answers.iter().filter_map(|answer| Some(Outcome { question: find(answer)?, answer })).collect();
+    if outcomes.len() < answers.len() {
+        eprintln!("note: {} answers are to no question of the file", answers.len() - outcomes.len());
+    }
+    let mut config = PipelineConfig::default();
+    args.iou.apply(&mut config);
+    config.metrics.period_px = Some(args.period_px);
+    let scores = jrdb_metrics::evaluate(&outcomes, &config.metrics);
+    args.output.give(json!(config.metrics), &scores, &report::scores_text(&scores))
+}

@@ -1,0 +1,57 @@
+//! Pictures of a frame and its answer: boxes on the panorama, and the scene from above.
+
+mod canvas;
+mod panorama;
+mod top_view;
+
+pub use canvas::Canvas;
+pub use panorama::draw_panorama;
+pub use top_view::draw_top_view;
+
+use jrdb_types::{Answer, EntityId};
+
+/// A colour: red, green, blue, 0 to 255.
+pub type Color = [u8; 3];
+
+pub(crate) const WHITE: Color = [245, 245, 245];
+pub(crate) const BLACK: Color = [20, 22, 26];
+/// The answer.
+pub(crate) const ANSWER: Color = [60, 220, 90];
+/// The other person of a relation that made the answer.
+pub(crate) const WITNESS: Color = [255, 165, 30];
+/// Everyone else.
+pub(crate) const OTHER: Color = [120, 190, 255];
+
+/// Which part a thing plays in an answer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Role {
+    Other,
+    Witness,
+    Selected,
+}
+
+impl Role {
+    pub(crate) fn of(id: &EntityId, answer: Option<&Answer>) -> Self {
+        let Some(answer) = answer else { return Self::Other };
+        if answer.selection.binary_search(id).is_ok() {
+            return Self::Selected;
+        }
+        let is_witness = witnesses(answer).any(|(_, witness)| witness == id);
+        if is_witness { Self::Witness } else { Self::Other }
+    }
+
+    pub(crate) fn color(self) -> Color {
+        match self {
+            Self::Other => OTHER,
+            Self::Witness => WITNESS,
+            Self::Selected => ANSWER,
+        }
+    }
+}
+
+/// Selected things and the partners of their relations.
+pub(crate) fn witnesses(answer: &Answer) -> impl Iterator<Item = (&EntityId, &EntityId)> {
+    answer.trace.iter().filter(|trace| trace.selected).flat_map(|trace| {
+        trace.checks.iter().filter_map(|check| Some((&trace.id, check.witness.as_ref()?)))
+    })
+}

@@ -1,0 +1,94 @@
+//! Which inference engine runs a model, and where ONNX Runtime is found.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use jrdb_perception::{Engine, OrtEngine, OrtLibrary, RtenEngine};
+
+use crate::Error;
+
+/// Which engine is wanted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum EngineChoice {
+    /// ONNX Runtime where its library is found, else rten.
+    #[default]
+    Auto,
+    /// Pure Rust, on the CPU.
+    Rten,
+    /// ONNX Runtime.
+    Ort,
+}
+
+/// How to choose an engine.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct EngineOptions {
+    /// Which engine.
+    pub choice: EngineChoice,
+    /// ONNX Runtime's library, when the user names it.
+    pub library: Option<PathBuf>,
+    /// Folder with models, which may hold `onnxruntime/libonnxruntime.so*`.
+    pub models: PathBuf,
+}
+
+/// Loads a model into the engine that the options ask for, with one line on which it is.
+///
+/// ONNX Runtime is looked for in this order: the path given, `ORT_DYLIB_PATH`, the models folder, the active
+/// Python environment, the system's library path. A path that the user gave must work; of the others the first
+/// that loads is taken.
+///
+/// # Errors
+/// When the model or a library that was asked for does not load.
+pub fn open_engine(
+    model: &[u8],
+    path: &Path,
+    options: &EngineOptions,
+) -> Result<(Box<dyn Engine>, String), Error> {
+    let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
+    if let Some(library) = find_library(options)? {
+        let (library, found) = library;
+        let engine = OrtEngine::from_onnx(&library, model, 1).map_err(wrap)?;
+        return Ok((Box::new(engine), format!("engine: ONNX Runtime, {}", found.display())));
+    }
+    if options.choice == EngineChoice::Ort {
+        let tried = "--onnxruntime, ORT_DYLIB_PATH, the models folder, Python and the system";
+        return Err(Error::Usage(format!("expected an ONNX Runtime library, found none in {tried}")));
+    }
+    let engine = RtenEngine::from_onnx(model).map_err(wrap)?;
+    Ok((Box::new(engine), "engine: rten (pure Rust, CPU)".into()))
+}
+
+fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>, Error> {
+    if options.choice == EngineChoice::Rten {
+        return Ok(None);
+    }
+    let named = options.library.clone().or_else(|| std::env::var_os("ORT_DYLIB_PATH").map(PathBuf::from));
+    if let Some(path) = named {
+        let what = path.display().to_string();
+        let library = OrtLibrary::load(&path).map_err(|source| Error::Engine { what, source })?;
+        return Ok(Some((library, path)));
+    }
+    let places = [options.models.join("onnxruntime")].into_iter().chain(python_package());
+    let system = PathBuf::from("libonnxruntime.so");
+    let candidates = places.filter_map(|folder| library_in(&folder)).chain([system]);
+    Ok(candidates.into_iter().find_map(|path| Some((OrtLibrary::load(&path).ok()?, path))))
+}
+
+/// The folder of ONNX Runtime's library in the active Python environment.
+fn python_package() -> Option<PathBuf> {
+    let script = "import importlib.util as u; s = u.find_spec('onnxruntime'); print(s.origin if s else '')";
+    let output = Command::new("python3").args(["-c", script]).output().ok()?;
+    let origin = String::from_utf8(output.stdout).ok()?;
+    let package = Path::new(origin.trim()).parent()?.to_path_buf();
+    Some(package.join("capi"))
+}
+
+/// The library in a folder; the last in order of name where there are several.
+fn library_in(folder: &Path) -> Option<PathBuf> {
+    let names = ["libonnxruntime.so", "libonnxruntime.dylib", "onnxruntime.dll"];
+    let is_library = |path: &PathBuf| {
+        let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
+        names.iter().any(|known| name.starts_with(known))
+    };
+    let entries = std::fs::read_dir(folder).ok()?;
+    entries.filter_map(|entry| Some(entry.ok()?.path())).filter(is_library).max()
+}

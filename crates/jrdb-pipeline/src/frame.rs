@@ -1,0 +1,89 @@
+//! One frame through all stages, in memory.
+
+use jrdb_graph::GraphConfig;
+use jrdb_metrics::MetricsConfig;
+use jrdb_projection::ProjectionConfig;
+use jrdb_search::SearchConfig;
+use jrdb_types::{
+    Answer, Detections, Entities, Image, Issue, PointCloud, Query, Question, Rig, SceneGraph,
+};
+use serde::{Deserialize, Serialize};
+
+use crate::Error;
+
+/// Configuration of every stage behind perception.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PipelineConfig {
+    /// Cloud and boxes to entities.
+    pub projection: ProjectionConfig,
+    /// Entities to a graph.
+    pub graph: GraphConfig,
+    /// Graph and query to an answer.
+    pub search: SearchConfig,
+    /// Answers to scores.
+    pub metrics: MetricsConfig,
+}
+
+/// What the sensors and perception gave for one frame.
+#[derive(Debug, Clone)]
+pub struct FrameInput {
+    /// Who is where in the image.
+    pub detections: Detections,
+    /// The panorama; pictures are drawn on it.
+    pub image: Option<Image>,
+    /// One sweep per LiDAR, in the sensors' frames.
+    pub clouds: Vec<PointCloud>,
+    /// The sensors and their mounts.
+    pub rig: Rig,
+    /// What of the frame is missing.
+    pub issues: Vec<Issue>,
+}
+
+/// A question, what it was read as, and what was answered.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asked {
+    /// The question, with its truth where there is one.
+    pub question: Question,
+    /// What it was read as.
+    pub query: Query,
+    /// The answer.
+    pub answer: Answer,
+}
+
+/// Every stage's output for one frame.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrameOutput {
+    /// Perception's.
+    pub detections: Detections,
+    /// Projection's.
+    pub entities: Entities,
+    /// The graph stage's.
+    pub graph: SceneGraph,
+    /// Search's, one per question.
+    pub asked: Vec<Asked>,
+    /// What of the frame is missing.
+    pub issues: Vec<Issue>,
+}
+
+/// Projects, builds the graph, and answers every question.
+///
+/// # Errors
+/// When the detections do not fit the rig; everything else is an issue in the output.
+pub fn process(
+    input: &FrameInput,
+    questions: &[Question],
+    config: &PipelineConfig,
+) -> Result<FrameOutput, Error> {
+    let entities = jrdb_projection::project(&input.detections, &input.clouds, &input.rig, &config.projection)
+        .map_err(|source| Error::Projection { frame: input.detections.frame.to_string(), source })?;
+    let graph = jrdb_graph::build(&entities, &config.graph);
+    let ask = |question: &Question| {
+        let query = jrdb_parser::parse(&question.text);
+        let answer = jrdb_search::search(&graph, &query, &config.search);
+        Asked { question: question.clone(), query, answer }
+    };
+    let asked = questions.iter().map(ask).collect();
+    let issues = input.issues.clone();
+    Ok(FrameOutput { detections: input.detections.clone(), entities, graph, asked, issues })
+}

@@ -1,0 +1,19 @@
+//! The `jrdb` command.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command prints")]
+
+mod cli;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    match cli::dispatch(cli::Cli::parse()) {
+        Ok(code) => code,
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            let known = error.downcast_ref::<jrdb_pipeline::Error>();
+            ExitCode::from(known.map_or(1, jrdb_pipeline::Error::exit_code))
+        }
+    }
+}

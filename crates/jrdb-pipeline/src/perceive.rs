@@ -1,0 +1,153 @@
+//! The perception stage as the command line names it: labels, a file, or a model.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use jrdb_dataset::SequenceLabels;
+use jrdb_perception::{Detector, SsdLite, SsdLiteConfig};
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{Detections, Image, Issue};
+
+use crate::engine::{EngineOptions, open_engine};
+use crate::source::{FrameSource, without_root};
+use crate::Error;
+
+/// The file of the SSDLite person detector in the models folder.
+pub const SSDLITE_FILE: &str = "ssdlite-mbv2-300-person.f16.onnx";
+
+/// Where detections come from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum PerceptionSource {
+    /// The dataset's own labels.
+    #[default]
+    Labels,
+    /// A file of detections: our artefact or COCO results.
+    File(PathBuf),
+    /// The SSDLite person detector on wrapped tiles.
+    SsdLite,
+}
+
+impl FromStr for PerceptionSource {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.split_once(':') {
+            None if text == "labels" => Ok(Self::Labels),
+            None if text == "ssdlite" => Ok(Self::SsdLite),
+            Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
+            _ => Err(format!("expected labels, file:PATH or ssdlite, found {text:?}")),
+        }
+    }
+}
+
+/// Perception, ready to run on frames.
+pub struct Perceiver {
+    kind: Kind,
+    config: serde_json::Value,
+    notes: Vec<String>,
+}
+
+enum Kind {
+    Labels(BTreeMap<(PathBuf, String), Result<SequenceLabels, String>>),
+    File(BTreeMap<String, BTreeMap<u32, Detections>>),
+    Model(Box<dyn Detector + Send + Sync>),
+}
+
+impl Perceiver {
+    /// Reads label files or models once, for all frames.
+    ///
+    /// # Errors
+    /// When a file of detections, a model or an engine is unusable. Missing labels are an issue of their
+    /// frames.
+    pub fn open(
+        source: &PerceptionSource,
+        frames: &[FrameSource],
+        models: &Path,
+        engine: &EngineOptions,
+    ) -> Result<Self, Error> {
+        match source {
+            PerceptionSource::Labels => Ok(Self::labels(frames)),
+            PerceptionSource::File(path) => Self::file(path, frames),
+            PerceptionSource::SsdLite => Self::ssdlite(models, engine),
+        }
+    }
+
+    fn labels(frames: &[FrameSource]) -> Self {
+        let mut labels = BTreeMap::new();
+        for frame in frames {
+            let root = frame.dataset.root();
+            labels.entry((root.into(), frame.id.sequence.clone())).or_insert_with(|| {
+                frame.dataset.labels(&frame.id.sequence).map_err(|error| without_root(&error, root))
+            });
+        }
+        let config = serde_json::json!({ "perception": "labels" });
+        Self { kind: Kind::Labels(labels), config, notes: Vec::new() }
+    }
+
+    fn file(path: &Path, frames: &[FrameSource]) -> Result<Self, Error> {
+        let mut detections = BTreeMap::new();
+        for frame in frames {
+            let sequence = &frame.id.sequence;
+            if !detections.contains_key(sequence) {
+                let image = frame.rig.panorama.image();
+                detections.insert(sequence.clone(), jrdb_dataset::read_detections(path, sequence, image)?);
+            }
+        }
+        let config = serde_json::json!({ "perception": "file" });
+        Ok(Self { kind: Kind::File(detections), config, notes: Vec::new() })
+    }
+
+    fn ssdlite(models: &Path, options: &EngineOptions) -> Result<Self, Error> {
+        let path = models.join(SSDLITE_FILE);
+        let bytes = std::fs::read(&path).map_err(|source| Error::file("read", &path, source))?;
+        let (engine, note) = open_engine(&bytes, &path, options)?;
+        let detector = SsdLite::new(engine, SsdLiteConfig::default());
+        let config = serde_json::json!({ "perception": "ssdlite", "ssdlite": detector.config() });
+        Ok(Self { kind: Kind::Model(Box::new(detector)), config, notes: vec![note] })
+    }
+
+    /// What to write into the artefact's `config`.
+    #[must_use]
+    pub fn config(&self) -> &serde_json::Value {
+        &self.config
+    }
+
+    /// What the user should know: which engine runs.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Detections of one frame.
+    ///
+    /// # Errors
+    /// When the model fails. A frame without labels, without detections in the file or without a picture
+    /// has no detections and an issue.
+    pub fn detect(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
+        let geometry = frame.rig.panorama.image();
+        let nothing = |message: String| Detections {
+            frame: frame.id.clone(),
+            image: geometry,
+            detections: Vec::new(),
+            issues: vec![Issue::new(IssueKind::MissingInput, message)],
+        };
+        match &self.kind {
+            Kind::Labels(labels) => {
+                match labels.get(&(frame.dataset.root().into(), frame.id.sequence.clone())) {
+                    Some(Ok(labels)) => Ok(labels.detections(&frame.id, geometry)),
+                    Some(Err(message)) => Ok(nothing(message.clone())),
+                    None => Ok(nothing(format!("no labels were opened for {}", frame.id))),
+                }
+            }
+            Kind::File(files) => {
+                let found = files.get(&frame.id.sequence).and_then(|frames| frames.get(&frame.id.frame));
+                Ok(found.cloned().unwrap_or_else(|| nothing(format!("the file has nothing for {}", frame.id))))
+            }
+            Kind::Model(detector) => match image {
+                Some(image) => Ok(detector.detect(image, &frame.id)?),
+                None => Ok(nothing("no picture to look at".into())),
+            },
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Results for people and for programs.
+
+use std::fmt::Write as _;
+
+use jrdb_types::answer::{CandidateTrace, Check};
+use jrdb_types::detection::PERSON;
+use jrdb_types::{Artefact, EntityId, Issue, Scores, Span, Task};
+use serde_json::{Value, json};
+
+use crate::frame::{Asked, FrameOutput};
+use crate::run::RunResult;
+use crate::PipelineConfig;
+
+/// How many candidates of one answer are explained on the terminal.
+const EXPLAINED_MAX: usize = 6;
+
+/// The result as text: per frame what was found, per question the answer, the truth and why.
+#[must_use]
+pub fn text(result: &RunResult) -> String {
+    let mut text = String::new();
+    for note in &result.notes {
+        line(&mut text, note);
+    }
+    let mut scores = result.scores.iter().flat_map(|scores| &scores.questions);
+    for frame in &result.frames {
+        match &frame.output {
+            Ok(output) => frame_text(&mut text, output, &mut scores),
+            Err(error) => line(&mut text, &format!("{}\n  failed: {error}\n", frame.id)),
+        }
+    }
+    if result.unasked > 0 {
+        line(&mut text, &format!("{} questions are about frames outside this run", result.unasked));
+    }
+    if let Some(scores) = &result.scores {
+        text.push_str(&scores_text(scores));
+    }
+    text
+}
+
+/// The result as one JSON document: `{"answers": [..], "failures": [..], "scores": ..}`, answers and
+/// scores as artefacts.
+#[must_use]
+pub fn json(result: &RunResult, config: &PipelineConfig) -> String {
+    let outputs = result.frames.iter().filter_map(|frame| frame.output.as_ref().ok());
+    let answers = outputs
+        .flat_map(|output| &output.asked)
+        .map(|asked| json!(Artefact::new(json!(config.search), asked.answer.clone())));
+    let failures = result.frames.iter().filter_map(|frame| {
+        let error = frame.output.as_ref().err()?;
+        Some(json!({ "frame": frame.id, "error": error.to_string() }))
+    });
+    let scores = result.scores.clone().map(|s| json!(Artefact::new(json!(config.metrics), s)));
+    let document = json!({
+        "answers": answers.collect::<Vec<Value>>(),
+        "failures": failures.collect::<Vec<Value>>(),
+        "scores": scores,
+    });
+    let mut text = serde_json::to_string_pretty(&document).unwrap_or_default();
+    text.push('\n');
+    text
+}
+
+fn line(text: &mut String, words: &str) {
+    text.push_str(words);
+    text.push('\n');
+}
+
+fn frame_text<'a>(
+    text: &mut String,
+    output: &FrameOutput,
+    scores: &mut impl Iterator<Item = &'a jrdb_types::score::QuestionScore>,
+) {
+    let people = output.graph.nodes.iter().filter(|node| node.category == PERSON).count();
+    let objects = output.graph.nodes.len() - people;
+    let placed = output.graph.nodes.iter().filter(|node| node.center.is_some()).count();
+    let frame = &output.detections.frame;
+    line(text, &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"));
+    for issue in output.issues.iter().chain(&output.entities.issues) {
+        line(text, &format!("  note: {}", issue_text(issue)));
+    }
+    for asked in &output.asked {
+        asked_text(text, asked);
+        if asked.question.truth.is_some()
+            && let Some(score) = scores.next()
+        {
+            truth_text(text, asked, score);
+        }
+    }
+    text.push('\n');
+}
+
+fn asked_text(text: &mut String, asked: &Asked) {
+    line(text, &format!("\n  {}", asked.question.text));
+    for issue in &asked.answer.issues {
+        line(text, &indent(&query_issue_text(&asked.query.text, issue), "  "));
+    }
+    let count = asked.answer.count.map(|count| format!("{count}: ")).unwrap_or_default();
+    line(text, &format!("    answer  {count}{}", ids(&asked.answer.selection)));
+    let selected: Vec<_> = asked.answer.trace.iter().filter(|trace| trace.selected).collect();
+    for trace in selected.iter().take(EXPLAINED_MAX).filter(|trace| !trace.checks.is_empty()) {
+        line(text, &format!("            {}", why(trace)));
+    }
+    if selected.len() > EXPLAINED_MAX && !selected[0].checks.is_empty() {
+        line(text, &format!("            … and {} more", selected.len() - EXPLAINED_MAX));
+    }
+}
+
+fn truth_text(text: &mut String, asked: &Asked, score: &jrdb_types::score::QuestionScore) {
+    let Some(truth) = &asked.question.truth else { return };
+    let wanted = match asked.answer.task {
+        Task::Count => truth.count.map_or_else(|| ids(&truth.ids), |count| count.to_string()),
+        Task::Find if truth.ids.is_empty() => format!("{} boxes", truth.boxes.len()),
+        Task::Find => ids(&truth.ids),
+    };
+    let verdict = match score.exact {
+        Some(true) => "exact, ",
+        Some(false) => "WRONG, ",
+        None => "",
+    };
+    let boxes = score.true_positives + score.false_negatives;
+    let iou = if boxes > 0 { score.matched_iou / boxes as f64 } else { 0.0 };
+    line(text, &format!("    truth   {wanted}   {verdict}IoU {iou:.3}"));
+}
+
+/// A candidate's conditions in one line.
+#[must_use]
+pub fn why(trace: &CandidateTrace) -> String {
+    let checks: Vec<String> = trace.checks.iter().map(check_text).collect();
+    format!("{}: {}", short(&trace.id), checks.join("; "))
+}
+
+fn check_text(check: &Check) -> String {
+    let found = check.found.as_deref().unwrap_or("unknown");
+    let mark = if check.holds { "" } else { "NOT " };
+    match &check.witness {
+        None => format!("{mark}{}: {found}", check.asked),
+        Some(witness) => {
+            let inner: Vec<String> = check.witness_checks.iter().map(check_text).collect();
+            let inner =
+                if inner.is_empty() { String::new() } else { format!(" [{}]", inner.join("; ")) };
+            format!("{mark}{}: {} is {found}{inner}", check.asked, short(witness))
+        }
+    }
+}
+
+/// An id as people read it: `#12`, or `table:1` for what is not a person.
+#[must_use]
+pub fn short(id: &EntityId) -> String {
+    match id.class.as_str() {
+        "pedestrian" | "person" => format!("#{}", id.number),
+        _ => id.to_string(),
+    }
+}
+
+fn ids(ids: &[EntityId]) -> String {
+    if ids.is_empty() { "nobody".into() } else { ids.iter().map(short).collect::<Vec<_>>().join(" ") }
+}
+
+fn issue_text(issue: &Issue) -> String {
+    let subject = issue.subject.as_ref().map(|id| format!("{}: ", short(id))).unwrap_or_default();
+    format!("{subject}{}", issue.message)
+}
+
+/// An issue of a query with the words it is about underlined.
+#[must_use]
+pub fn query_issue_text(query: &str, issue: &Issue) -> String {
+    let hint = issue.suggestion.as_ref().map(|word| format!("; did you mean {word:?}?")).unwrap_or_default();
+    let marks = issue.span.and_then(|span| underline(query, span));
+    let marks = marks.map(|marks| format!("{marks}\n")).unwrap_or_default();
+    format!("{marks}note: {}{hint}", issue.message)
+}
+
+fn underline(query: &str, span: Span) -> Option<String> {
+    let before = query.get(..span.start)?.chars().count();
+    let under = query.get(span.start..span.end)?.chars().count();
+    Some(format!("{}{}", " ".repeat(before), "^".repeat(under)))
+}
+
+fn indent(text: &str, by: &str) -> String {
+    text.lines().map(|line| format!("{by}{line}")).collect::<Vec<_>>().join("\n")
+}
+
+/// Scores as a table, one row per category.
+#[must_use]
+pub fn scores_text(scores: &Scores) -> String {
+    let mut text = format!(
+        "{:<32} {:>9} {:>8} {:>12} {:>10} {:>6} {:>6}\n",
+        "category", "exact", "miou_gt", "miou_matched", "miou_query", "AP50", "mAP"
+    );
+    let all = [("all", &scores.overall)];
+    let rows = scores.categories.iter().map(|(name, summary)| (name.as_str(), summary));
+    for (name, s) in rows.chain(all) {
+        // Writing to a String does not fail.
+        let _ = writeln!(
+            text,
+            "{name:<32} {:>9} {:>8.3} {:>12.3} {:>10.3} {:>6.3} {:>6.3}",
+            format!("{}/{}", s.exact, s.questions),
+            s.miou_gt,
+            s.miou_matched,
+            s.miou_query,
+            s.ap50,
+            s.map
+        );
+    }
+    let kind = serde_json::to_value(scores.iou).ok();
+    let kind = kind.as_ref().and_then(Value::as_str).unwrap_or_default();
+    let _ = writeln!(text, "IoU is {kind}");
+    text
+}

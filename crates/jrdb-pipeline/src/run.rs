@@ -1,0 +1,153 @@
+//! Many frames through the pipeline: reading, perception, the stages, pictures, scores.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use jrdb_metrics::Outcome;
+use jrdb_types::{FrameId, Issue, Question, Questions, Scores};
+use rayon::prelude::*;
+
+use crate::engine::EngineOptions;
+use crate::output::{Layout, Writer};
+use crate::perceive::{PerceptionSource, Perceiver};
+use crate::source::{self, FrameSource, Source};
+use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
+
+/// What to run, on what, and where to write.
+#[derive(Debug, Clone, Default)]
+pub struct RunOptions {
+    /// Where frames come from.
+    pub sources: Vec<Source>,
+    /// Which frame numbers; all when absent.
+    pub frames: Option<Range<u32>>,
+    /// Where detections come from.
+    pub perception: PerceptionSource,
+    /// Folder with model files.
+    pub models: PathBuf,
+    /// How to choose an engine for them.
+    pub engine: EngineOptions,
+    /// Questions asked of every frame.
+    pub queries: Vec<String>,
+    /// A file of questions with their truth; the scenes' own when neither this nor a query is given.
+    pub questions: Option<PathBuf>,
+    /// Configuration of the stages.
+    pub config: PipelineConfig,
+    /// Worker threads; one per core when absent. The output does not depend on it.
+    pub threads: Option<usize>,
+    /// Folder for answers and pictures.
+    pub out: Option<PathBuf>,
+    /// Whether every stage's artefact is written too.
+    pub artifacts: bool,
+}
+
+/// One frame's result.
+#[derive(Debug)]
+pub struct FrameResult {
+    /// Which frame.
+    pub id: FrameId,
+    /// Its output, or why it could not be done; other frames go on.
+    pub output: Result<FrameOutput, Error>,
+}
+
+/// What a run came to.
+#[derive(Debug)]
+pub struct RunResult {
+    /// Every frame, in order.
+    pub frames: Vec<FrameResult>,
+    /// Scores, when any question had a known answer.
+    pub scores: Option<Scores>,
+    /// What the user should know: which engine ran.
+    pub notes: Vec<String>,
+    /// Questions of the file that no frame of this run could answer.
+    pub unasked: usize,
+}
+
+/// Runs the pipeline. `on_frame` is called after each frame, from worker threads.
+///
+/// A frame that cannot be done does not stop the others; its error is in the result.
+///
+/// # Errors
+/// When there is no frame, or a dataset, question file, model or output folder is unusable.
+pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
+    let frames = source::list_frames(&options.sources, options.frames.as_ref())?;
+    let questions = frame_questions(options, &frames)?;
+    let perceiver = Perceiver::open(&options.perception, &frames, &options.models, &options.engine)?;
+    let asked = questions.per_frame.iter().map(Vec::len).max().unwrap_or(0);
+    let ids: Vec<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
+    let layout = Layout::of(&ids, asked);
+    let writer = options.out.as_ref().map(|root| Writer::new(root, layout, options, &perceiver));
+    let work = || {
+        let each = frames.par_iter().zip(&questions.per_frame).map(|(frame, questions)| {
+            let output = run_frame(frame, questions, &perceiver, writer.as_ref(), &options.config);
+            on_frame();
+            FrameResult { id: frame.id.clone(), output }
+        });
+        each.collect::<Vec<_>>()
+    };
+    let frames = pool(options.threads)?.install(work);
+    let scores = score(&frames, options);
+    if let (Some(writer), Some(scores)) = (&writer, &scores) {
+        writer.scores(scores)?;
+    }
+    let notes = perceiver.notes().to_vec();
+    Ok(RunResult { frames, scores, notes, unasked: questions.unasked })
+}
+
+fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
+    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
+    builder.build().map_err(|error| Error::Usage(format!("cannot start worker threads: {error}")))
+}
+
+struct FrameQuestions {
+    per_frame: Vec<Vec<Question>>,
+    unasked: usize,
+}
+
+fn frame_questions(options: &RunOptions, frames: &[FrameSource]) -> Result<FrameQuestions, Error> {
+    let mut listed = Questions::default();
+    if let Some(path) = &options.questions {
+        listed = jrdb_dataset::read_questions(path)?;
+    } else if options.queries.is_empty() {
+        for source in &options.sources {
+            listed.questions.extend(source.own_questions()?.questions);
+        }
+    }
+    let per_frame: Vec<Vec<Question>> =
+        frames.iter().map(|f| source::questions_for(&f.id, &options.queries, &listed)).collect();
+    let asked: usize = per_frame.iter().map(Vec::len).sum();
+    let from_file = asked - options.queries.len() * frames.len();
+    Ok(FrameQuestions { per_frame, unasked: listed.questions.len().saturating_sub(from_file) })
+}
+
+fn run_frame(
+    frame: &FrameSource,
+    questions: &[Question],
+    perceiver: &Perceiver,
+    writer: Option<&Writer>,
+    config: &PipelineConfig,
+) -> Result<FrameOutput, Error> {
+    let sensors = frame.read();
+    let detections = perceiver.detect(frame, sensors.image.as_ref())?;
+    let issues: Vec<Issue> = sensors.issues.iter().chain(&detections.issues).cloned().collect();
+    let input = FrameInput {
+        detections,
+        image: sensors.image,
+        clouds: sensors.clouds,
+        rig: (*frame.rig).clone(),
+        issues,
+    };
+    let output = process(&input, questions, config)?;
+    if let Some(writer) = writer {
+        writer.frame(&input, &output)?;
+    }
+    Ok(output)
+}
+
+fn score(frames: &[FrameResult], options: &RunOptions) -> Option<Scores> {
+    let asked = frames.iter().filter_map(|frame| frame.output.as_ref().ok()).flat_map(|o| &o.asked);
+    let outcomes: Vec<Outcome<'_>> = asked
+        .filter(|asked| asked.question.truth.is_some())
+        .map(|asked| Outcome { question: &asked.question, answer: &asked.answer })
+        .collect();
+    (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &options.config.metrics))
+}

@@ -1,0 +1,156 @@
+//! Which frames to work on, and what their files hold.
+
+use std::path::{Path, PathBuf};
+
+use jrdb_dataset::Dataset;
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{FrameId, Image, Issue, PointCloud, Question, Questions, Rig};
+
+use crate::Error;
+
+/// The category of questions that were typed, not read from a file.
+pub const TYPED: &str = "typed";
+
+/// Where frames come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Source {
+    /// A folder in JRDB's form, all its sequences, with a `questions.json` of its own (what `jrdb synth`
+    /// writes).
+    Scene(PathBuf),
+    /// One sequence of a JRDB tree.
+    Sequence {
+        /// The tree's root.
+        root: PathBuf,
+        /// The sequence's name.
+        name: String,
+    },
+}
+
+impl Source {
+    fn root(&self) -> &Path {
+        match self {
+            Self::Scene(root) | Self::Sequence { root, .. } => root,
+        }
+    }
+
+    /// The questions that come with a scene.
+    ///
+    /// # Errors
+    /// When the file is there and unreadable.
+    pub fn own_questions(&self) -> Result<Questions, Error> {
+        let path = self.root().join("questions.json");
+        match self {
+            Self::Scene(_) if path.exists() => Ok(jrdb_dataset::read_questions(&path)?),
+            _ => Ok(Questions::default()),
+        }
+    }
+}
+
+/// A frame whose files have not been read yet.
+#[derive(Debug, Clone)]
+pub struct FrameSource {
+    /// The tree it is in.
+    pub dataset: std::sync::Arc<Dataset>,
+    /// The rig of the tree.
+    pub rig: std::sync::Arc<Rig>,
+    /// Which frame.
+    pub id: FrameId,
+}
+
+/// Lists the frames of all sources, in the order of the sources, then by sequence and number.
+///
+/// `range` keeps frames whose number lies in it.
+///
+/// # Errors
+/// When a tree, its calibration or the sequence asked for is not there, or no frame is left.
+pub fn list_frames(
+    sources: &[Source],
+    range: Option<&std::ops::Range<u32>>,
+) -> Result<Vec<FrameSource>, Error> {
+    let mut frames = Vec::new();
+    for source in sources {
+        let dataset = std::sync::Arc::new(Dataset::open(source.root())?);
+        let rig = std::sync::Arc::new(dataset.rig()?);
+        let sequences = match source {
+            Source::Scene(_) => dataset.sequences()?,
+            Source::Sequence { name, .. } => vec![name.clone()],
+        };
+        for sequence in sequences {
+            for frame in dataset.frames(&sequence)? {
+                if range.is_none_or(|range| range.contains(&frame)) {
+                    let id = FrameId { sequence: sequence.clone(), frame };
+                    frames.push(FrameSource { dataset: dataset.clone(), rig: rig.clone(), id });
+                }
+            }
+        }
+    }
+    if frames.is_empty() {
+        let asked = range.map_or("any frame".into(), |r| format!("frames {}..{}", r.start, r.end));
+        return Err(Error::Usage(format!("expected {asked} in {sources:?}, found none")));
+    }
+    Ok(frames)
+}
+
+/// A frame's panorama and sweeps; what is missing or broken is an issue.
+#[derive(Debug, Clone)]
+pub struct SensorData {
+    /// The panorama.
+    pub image: Option<Image>,
+    /// One sweep per LiDAR.
+    pub clouds: Vec<PointCloud>,
+    /// What is missing.
+    pub issues: Vec<Issue>,
+}
+
+impl FrameSource {
+    /// Reads the frame's sensor files.
+    #[must_use]
+    pub fn read(&self) -> SensorData {
+        let (clouds, mut issues) = self.dataset.clouds(&self.id.sequence, self.id.frame);
+        let image = self.dataset.image(&self.id.sequence, self.id.frame);
+        let expected = [self.rig.panorama.width_px, self.rig.panorama.height_px].map(|n| n as usize);
+        let image = match image {
+            Ok(image) if [image.width, image.height] == expected => Some(image),
+            Ok(image) => {
+                let found = [image.width, image.height];
+                let message = format!("expected a panorama of {expected:?} px as in the calibration, found {found:?}");
+                issues.push(Issue::new(IssueKind::MissingInput, message));
+                None
+            }
+            Err(error) => {
+                issues.push(Issue::new(IssueKind::MissingInput, without_root(&error, self.dataset.root())));
+                None
+            }
+        };
+        SensorData { image, clouds, issues }
+    }
+}
+
+/// An error's text with its causes and without the path of the dataset's root: artefacts name no host
+/// paths.
+#[must_use]
+pub fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let inner_text = inner.to_string();
+        if !text.contains(&inner_text) {
+            text = format!("{text}: {inner_text}");
+        }
+        cause = inner.source();
+    }
+    text.replace(&format!("{}/", root.display()), "")
+}
+
+/// The questions for one frame: typed ones, then those of the file that are about this frame.
+#[must_use]
+pub fn questions_for(frame: &FrameId, typed: &[String], listed: &Questions) -> Vec<Question> {
+    let ask = |text: &String| Question {
+        text: text.clone(),
+        category: TYPED.into(),
+        frame: frame.clone(),
+        truth: None,
+    };
+    let listed = listed.questions.iter().filter(|question| question.frame == *frame).cloned();
+    typed.iter().map(ask).chain(listed).collect()
+}

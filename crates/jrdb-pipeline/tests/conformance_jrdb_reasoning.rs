@@ -1,0 +1,274 @@
+//! The JRDB-Reasoning benchmark's questions, answered on the scenes they were made from.
+#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+
+mod shared;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use jrdb_graph::{GraphConfig, Hidden, Pairs};
+use jrdb_projection::relation::{from_person, from_robot};
+use jrdb_search::SearchConfig;
+use jrdb_types::detection::Interaction;
+use jrdb_types::query::Task;
+use jrdb_types::vocab::{Elevation, MatchPolicy, Occlusion, Sector};
+use jrdb_types::*;
+use serde_json::Value;
+use shared::shared;
+
+const ENGINE: LateralConvention = LateralConvention::EngineHead;
+
+/// Categories whose graphs hold one frame and people only.
+const SINGLE_FRAME: &str = "single-frame";
+
+fn json(path: &str) -> Option<Value> {
+    Some(serde_json::from_slice(&std::fs::read(shared(path)?).unwrap()).unwrap())
+}
+
+fn text<'a>(value: &'a Value, key: &str) -> Option<&'a str> {
+    value[key].as_str()
+}
+
+/// `h_pedestrian:3` or `pedestrian:3`; objects are `o_1_71`.
+fn id(key: &str) -> EntityId {
+    match key.strip_prefix("o_").and_then(|rest| rest.split_once('_')) {
+        Some((track, class)) => EntityId::new(&format!("object_{class}"), track.parse().unwrap()),
+        None => key.trim_start_matches("h_").parse().unwrap(),
+    }
+}
+
+fn belief<T: Ord + Copy>(value: &Value, key: &str, read: impl Fn(&str) -> Option<T>) -> Belief<T> {
+    Belief::from_label(text(value, key).map(|word| read(word).unwrap_or_else(|| panic!("{key} {word}"))))
+}
+
+fn attributes(value: &Value) -> Attributes {
+    Attributes {
+        age: belief(value, "age", Age::from_word),
+        gender: belief(value, "gender", Gender::from_word),
+        race: belief(value, "race", Race::from_word),
+        action: belief(value, "action", Action::from_word),
+    }
+}
+
+fn pixel_box(value: &Value) -> PixelBox {
+    serde_json::from_value(value.clone()).unwrap()
+}
+
+/// `up right left` and `front right` as the engine writes them.
+fn direction(words: &str) -> Direction {
+    let (elevation, sector) = match words.split_once(' ') {
+        Some(("up", rest)) => (Elevation::Up, rest),
+        Some(("down", rest)) => (Elevation::Down, rest),
+        _ => (Elevation::Level, words),
+    };
+    let sector = if sector == "right left" { "front right" } else { sector };
+    Direction { sector: Sector::from_word(sector).unwrap(), elevation }
+}
+
+/// A graph as the engine built it: words, no numbers.
+fn engine_graph(graph: &Value, frame: &str) -> SceneGraph {
+    let nodes = graph["frames"][frame].as_object().unwrap().iter().map(|(key, node)| {
+        let is_person = text(node, "type") == Some("human");
+        let relation = SpatialRelation {
+            distance: text(node, "distance").and_then(DistanceWord::from_word),
+            direction: text(node, "SR_Robot_Ref").map(direction),
+            ..SpatialRelation::default()
+        };
+        Node {
+            id: id(key),
+            category: if is_person { "person".into() } else { text(node, "obj_name").unwrap().into() },
+            score: 1.0,
+            bbox: pixel_box(&node["bbox"]),
+            attributes: if is_person { attributes(node) } else { Attributes::default() },
+            center: None,
+            heading_rad: None,
+            from_robot: is_person.then_some(relation),
+        }
+    });
+    let edges = graph["edges"].as_array().unwrap().iter().map(|edge| {
+        let label = text(edge, "relation").unwrap();
+        let relation = match text(edge, "edge_type").unwrap() {
+            "geometric" => {
+                let (side, distance) = label.split_once(" and ").unwrap();
+                EdgeRelation::Spatial(SpatialRelation {
+                    distance: DistanceWord::from_word(distance),
+                    direction: Some(direction(side)),
+                    ..SpatialRelation::default()
+                })
+            }
+            _ => EdgeRelation::Interaction { label: label.into() },
+        };
+        Edge { from: id(text(edge, "from").unwrap()), to: id(text(edge, "to").unwrap()), relation }
+    });
+    sorted(SceneGraph {
+        frame: FrameId::default(),
+        lateral: ENGINE,
+        nodes: nodes.collect(),
+        edges: edges.collect(),
+        issues: Vec::new(),
+    })
+}
+
+fn sorted(mut graph: SceneGraph) -> SceneGraph {
+    graph.nodes.sort_by(|a, b| a.id.cmp(&b.id));
+    let kind = |edge: &Edge| match &edge.relation {
+        EdgeRelation::Spatial(_) => String::new(),
+        EdgeRelation::Interaction { label } => label.clone(),
+    };
+    graph.edges.sort_by(|a, b| (&a.from, &a.to, kind(a)).cmp(&(&b.from, &b.to, kind(b))));
+    graph
+}
+
+/// The same frame through our own relations and graph stage.
+fn our_graph(frame: &Value) -> SceneGraph {
+    let people: Vec<&Value> = frame["people"].as_array().unwrap().iter().collect();
+    let placed: Vec<(EntityId, [f64; 3], f64)> = people
+        .iter()
+        .filter(|p| p["box3d"].is_object())
+        .map(|p| {
+            let number = |key: &str| p["box3d"][key].as_f64().unwrap();
+            let heading = std::f64::consts::PI - number("rot_z");
+            (id(text(p, "id").unwrap()), [number("cx"), number("cy"), number("cz")], heading)
+        })
+        .collect();
+    let entities = people.iter().map(|p| entity(p, &placed));
+    let mut relations = Vec::new();
+    for (subject, from, heading) in &placed {
+        for (object, to, _) in placed.iter().filter(|(object, ..)| object != subject) {
+            let relation = from_person(&(*from).into(), Some(*heading), &(*to).into(), ENGINE);
+            relations.push(PairRelation { subject: subject.clone(), object: object.clone(), relation });
+        }
+    }
+    let entities = Entities {
+        frame: FrameId::default(),
+        lateral: ENGINE,
+        entities: entities.collect(),
+        relations,
+        issues: Vec::new(),
+    };
+    let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };
+    sorted(jrdb_graph::build(&entities, &config))
+}
+
+fn entity(person: &Value, placed: &[(EntityId, [f64; 3], f64)]) -> Entity {
+    let id = id(text(person, "id").unwrap());
+    let center = placed.iter().find(|(other, ..)| *other == id).map(|(_, center, _)| *center);
+    let interactions = person["hhi"].as_array().unwrap().iter().map(|hhi| Interaction {
+        partner: text(hhi, "pair").unwrap().parse().unwrap(),
+        label: text(hhi, "label").unwrap().into(),
+    });
+    let occlusion = text(person, "occlusion").map(|word| match word {
+        "Fully_visible" => Occlusion::FullyVisible,
+        "Mostly_visible" => Occlusion::MostlyVisible,
+        "Severely_occluded" => Occlusion::SeverelyOccluded,
+        _ => Occlusion::FullyOccluded,
+    });
+    // The engine takes the distance from the label's own attribute.
+    let distance = person["distance"].as_f64().and_then(jrdb_projection::relation::distance::word);
+    let from_robot =
+        center.map(|c| SpatialRelation { distance, ..from_robot(&c.into(), ENGINE) });
+    Entity {
+        id,
+        category: "person".into(),
+        score: 1.0,
+        bbox: pixel_box(&person["bbox"]),
+        attributes: attributes(person),
+        interactions: interactions.collect(),
+        occlusion,
+        position: None,
+        box3d: None,
+        heading_rad: None,
+        from_robot,
+    }
+}
+
+fn words(relation: &SpatialRelation) -> (Option<DistanceWord>, Option<Direction>) {
+    (relation.distance, relation.direction)
+}
+
+/// Ids and words of a graph, without its numbers.
+fn shown(graph: &SceneGraph) -> Vec<String> {
+    let nodes = graph.nodes.iter().filter(|node| node.category == "person");
+    let nodes = nodes.map(|n| format!("{} {:?} {:?}", n.id, n.attributes, n.from_robot.as_ref().map(words)));
+    let to_people = graph.edges.iter().filter(|e| e.to.class == "pedestrian");
+    let edges = to_people.map(|e| match &e.relation {
+        EdgeRelation::Spatial(relation) => format!("{} {} {:?}", e.from, e.to, words(relation)),
+        EdgeRelation::Interaction { label } => format!("{} {} {label}", e.from, e.to),
+    });
+    nodes.chain(edges).collect()
+}
+
+fn answer(graph: &SceneGraph, question: &str) -> Answer {
+    let query = jrdb_parser::parse(question);
+    assert_eq!(query.issues, [], "{question}");
+    let config = SearchConfig { policy: MatchPolicy::Strict, ..SearchConfig::default() };
+    jrdb_search::search(graph, &query, &config)
+}
+
+fn ids(value: &Value) -> BTreeSet<EntityId> {
+    value.as_array().unwrap().iter().map(|key| id(key.as_str().unwrap())).collect()
+}
+
+fn is_asked_here(question: &Value) -> bool {
+    let is_known = |category: &str| !category.contains("HOI") && category != "wh";
+    text(question, "graph_scope") == Some(SINGLE_FRAME)
+        && text(question, "modality") == Some("image")
+        && text(question, "category").is_some_and(is_known)
+}
+
+#[test]
+fn conformance_jrdb_reasoning_questions() {
+    let (Some(questions), Some(scenes)) =
+        (json("goldens/jrdb_reasoning/questions.json"), json("goldens/jrdb_reasoning/scenes.json"))
+    else {
+        return;
+    };
+    let mut tally: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for question in questions.as_array().unwrap().iter().filter(|q| is_asked_here(q)) {
+        let scene = &scenes[text(question, "scene_id").unwrap()];
+        let labels = &question["labels"]["slot1"];
+        let frame = labels["image_ids"][0].as_str().unwrap();
+        let sentence = text(question, "question").unwrap();
+        let category = text(question, "category").unwrap();
+        let frames = scene["scene"]["frames"].as_array().unwrap();
+        let ours = frames.iter().find(|f| text(f, "frame_id") == Some(frame)).unwrap();
+        let wanted = ids(if category == "human" { &labels["human"]["target_ID"] } else { &labels["final_ID"] });
+        let answers = [engine_graph(&scene["graph"], frame), our_graph(ours)].map(|g| answer(&g, sentence));
+        let is_right = answers.iter().all(|found| {
+            let found_ids: BTreeSet<EntityId> = found.selection.iter().cloned().collect();
+            let number = found.count.map(|count| count as u64);
+            match found.task {
+                Task::Find => found_ids == wanted,
+                Task::Count => number == labels["final_answer"].as_u64(),
+            }
+        });
+        let (right, all) = tally.entry(category).or_default();
+        *right += usize::from(is_right);
+        *all += 1;
+        if !is_right {
+            println!("wrong: {sentence}\n  wanted {wanted:?}\n  found {:?}", answers.map(|a| a.selection));
+        }
+    }
+    for (category, (right, all)) in &tally {
+        println!("{category:<40} {right} of {all}");
+    }
+    assert!(!tally.is_empty() && tally.values().all(|(right, all)| right == all));
+}
+
+#[test]
+fn conformance_jrdb_reasoning_graphs() {
+    let Some(scenes) = json("goldens/jrdb_reasoning/scenes.json") else { return };
+    let mut compared = 0;
+    for (name, scene) in scenes.as_object().unwrap() {
+        let frames = scene["scene"]["frames"].as_array().unwrap();
+        // With more frames the engine's edges are those of all frames together.
+        let [frame] = frames.as_slice() else { continue };
+        let theirs = engine_graph(&scene["graph"], text(frame, "frame_id").unwrap());
+        for (ours, theirs) in shown(&our_graph(frame)).iter().zip(shown(&theirs)) {
+            assert_eq!(*ours, theirs, "{name}");
+        }
+        assert_eq!(shown(&our_graph(frame)).len(), shown(&theirs).len(), "{name}");
+        compared += 1;
+    }
+    println!("{compared} of {compared} single-frame graphs are equal");
+    assert!(compared > 0);
+}
