@@ -1,2 +1,92 @@
-//! Developer commands.
-fn main() {}
+//! Developer commands: `cargo xtask <command>`. They start other programs through cargo and depend on none
+//! of the crates.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command prints")]
+
+mod law;
+mod pipeline;
+mod tidy;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+
+use anyhow::{Context, Result, bail};
+
+const USAGE: &str = "\
+cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; without flags: the bundled scenes, into out/
+cargo xtask pipeline --check                 compare every stage's artefact with its committed snapshot
+cargo xtask pipeline --accept                rewrite the snapshots; read the difference before you commit
+cargo xtask scenes                           make the bundled scenes anew
+cargo xtask tidy                             check the rules of docs/architecture.md and docs/style.md
+cargo xtask ci                               all that CI runs";
+
+fn main() -> ExitCode {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let (command, rest) = match arguments.split_first() {
+        Some((command, rest)) => (command.as_str(), rest),
+        None => ("help", &[][..]),
+    };
+    let done = match command {
+        "pipeline" => pipeline::pipeline(rest),
+        "scenes" => pipeline::scenes(),
+        "tidy" => tidy::tidy(),
+        "ci" => run(Command::new("bash").arg(".ci/run")),
+        "help" | "--help" | "-h" => {
+            println!("{USAGE}");
+            return ExitCode::SUCCESS;
+        }
+        other => {
+            eprintln!("error: expected one of the commands below, found {other:?}\n{USAGE}");
+            return ExitCode::from(2);
+        }
+    };
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => match error.downcast_ref::<Failed>() {
+            // The program has said why.
+            Some(failed) => ExitCode::from(failed.code),
+            None => {
+                eprintln!("error: {error:#}");
+                ExitCode::FAILURE
+            }
+        },
+    }
+}
+
+/// A program that ended with another exit code than 0.
+#[derive(Debug)]
+struct Failed {
+    code: u8,
+}
+
+impl std::fmt::Display for Failed {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "exit code {}", self.code)
+    }
+}
+
+impl std::error::Error for Failed {}
+
+/// The workspace's root folder.
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(|| ".".into(), Path::to_path_buf)
+}
+
+/// Runs a program in the workspace's root; its exit code is passed on.
+fn run(command: &mut Command) -> Result<()> {
+    run_in(&root(), command)
+}
+
+/// Runs a program in a folder; its exit code is passed on.
+fn run_in(folder: &Path, command: &mut Command) -> Result<()> {
+    let status = command.current_dir(folder).status().with_context(|| format!("cannot start {command:?}"))?;
+    match status.code() {
+        Some(0) => Ok(()),
+        Some(code) => bail!(Failed { code: u8::try_from(code).unwrap_or(1) }),
+        None => bail!("{command:?} was stopped by a signal"),
+    }
+}
+
+/// The cargo that started us.
+fn cargo() -> Command {
+    Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+}

@@ -35,6 +35,7 @@ pub struct Producer {
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(description = "A stage's output in its envelope."))]
 pub struct Artefact<T> {
     /// [`Payload::SCHEMA`] of the data.
     pub schema: String,

@@ -16,6 +16,7 @@ use crate::vocab::{Action, Age, Gender, Occlusion, Race};
 /// As JSON: `{"young": 0.8, "adolescent": 0.2}`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(rename = "BeliefOf{T}"))]
 #[serde(transparent)]
 pub struct Belief<T: Ord>(pub BTreeMap<T, f64>);
 

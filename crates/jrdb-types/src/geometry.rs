@@ -30,6 +30,7 @@ impl ImageGeometry {
 /// As JSON: `[x, y, w, h]`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(with = "[f64; 4]"))]
 #[serde(from = "[f64; 4]", into = "[f64; 4]")]
 pub struct PixelBox {
     /// Left edge, pixels.

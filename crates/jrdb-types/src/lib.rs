@@ -11,6 +11,8 @@ pub mod issue;
 pub mod query;
 pub mod question;
 pub mod rig;
+#[cfg(feature = "schema")]
+pub mod schema;
 pub mod score;
 pub mod sensor;
 pub mod vocab;

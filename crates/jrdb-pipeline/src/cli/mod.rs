@@ -2,6 +2,7 @@
 
 mod models;
 mod run;
+mod schema;
 mod stage;
 //SYNTH mod synth;
 
@@ -36,6 +37,8 @@ enum Command {
     Evaluate(stage::EvaluateArgs),
     /// Write a JRDB-format dataset of drawn people, with questions and answers
 //SYNTH    Synth(synth::SynthArgs),
+    /// JSON Schemas of the artefacts
+    Schema(schema::SchemaArgs),
     /// Model files: which are known, which are there
     Models(models::ModelsArgs),
 }
@@ -60,6 +63,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Search(args) => stage::search(&args),
         Command::Evaluate(args) => stage::evaluate(&args),
 //SYNTH        Command::Synth(args) => synth::synth(&args),
+        Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),
     }
 }

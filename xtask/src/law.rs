@@ -1,0 +1,84 @@
+//! Who may depend on whom: the dependency law of docs/architecture.md.
+
+/// A crate, what it is, and what it may depend on.
+pub(crate) struct Row {
+    /// Package name.
+    pub(crate) name: &'static str,
+    /// What it is, as in the table.
+    pub(crate) what: &'static str,
+    /// Crates of this workspace.
+    pub(crate) ours: &'static [&'static str],
+    /// Other crates; `None` where any may be used that deny.toml allows.
+    pub(crate) others: Option<&'static [&'static str]>,
+    /// Whether it may touch files, the environment, the clock or other programs.
+    pub(crate) touches_the_world: bool,
+}
+
+/// A stage: pure, and knowing only the types, whatever maths or formats it uses inside.
+const fn stage(name: &'static str, what: &'static str, ours: &'static [&'static str]) -> Row {
+    Row { name, what, ours, others: None, touches_the_world: false }
+}
+
+/// The law.
+pub(crate) const LAW: &[Row] = &[
+    Row {
+        name: "jrdb-types",
+        what: "what passes between stages: plain serde types, numbers and words",
+        ours: &[],
+        others: Some(&["schemars", "serde", "serde_json", "thiserror"]),
+        touches_the_world: false,
+    },
+    Row {
+        name: "jrdb-dataset",
+        what: "files of the outside world: JRDB trees, labels, calibration, clouds, questions",
+        ours: &["jrdb-types"],
+        others: None,
+        touches_the_world: true,
+    },
+    stage("jrdb-perception", "image → detections", &["jrdb-types"]),
+    stage("jrdb-projection", "points and boxes → entities in 3D and their relations", &["jrdb-types"]),
+    stage("jrdb-calibration", "checks of a calibration: the floor", &["jrdb-types", "jrdb-projection"]),
+    stage("jrdb-graph", "entities and relations → scene graph", &["jrdb-types"]),
+    stage("jrdb-parser", "English → query", &["jrdb-types"]),
+    stage("jrdb-search", "graph and query → answer with its reasons", &["jrdb-types", "jrdb-graph"]),
+    stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    Row {
+        name: "jrdb-pipeline",
+        what: "composition: library and the `jrdb` command",
+        ours: &[
+            "jrdb-types",
+            "jrdb-dataset",
+            "jrdb-perception",
+            "jrdb-projection",
+            "jrdb-calibration",
+            "jrdb-graph",
+            "jrdb-parser",
+            "jrdb-search",
+            "jrdb-metrics",
+        ],
+        others: None,
+        touches_the_world: true,
+    },
+    Row {
+        name: "xtask",
+        what: "developer commands; starts the others through cargo",
+        ours: &[],
+        others: Some(&["anyhow", "serde_json"]),
+        touches_the_world: true,
+    },
+];
+
+/// The law as the table in docs/architecture.md.
+pub(crate) fn table() -> String {
+    let mut text = String::from("| crate | what it is | may depend on |\n|---|---|---|\n");
+    for row in LAW {
+        let short: Vec<&str> = row.ours.iter().map(|name| name.trim_start_matches("jrdb-")).collect();
+        let ours = match short.as_slice() {
+            [] => "none of ours".into(),
+            all if all.len() + 2 == LAW.len() => "all above".into(),
+            some => some.join(", "),
+        };
+        text.push_str(&format!("| `{}` | {} | {ours} |\n", row.name, row.what));
+    }
+    text
+}

@@ -1,0 +1,60 @@
+//! The pipeline on the bundled scenes, and its snapshots.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use anyhow::{Context, Result};
+
+use crate::{cargo, root, run, run_in};
+
+/// Where the bundled scenes are, from the workspace's root.
+const SCENES: &str = "testdata/scenes";
+
+pub(crate) fn pipeline(flags: &[String]) -> Result<()> {
+    match flags {
+        [flag] if flag == "--check" => snapshots("no"),
+        [flag] if flag == "--accept" => snapshots("always"),
+        [] => {
+            let mut command = jrdb();
+            command.arg("run");
+            for scene in bundled()? {
+                command.arg("--scene").arg(scene);
+            }
+            run(command.args(["--perception", "labels", "--artifacts", "--out", "out"]))
+        }
+        flags => {
+            // Cargo starts the program where the user stands, so relative paths in flags hold.
+            let here = std::env::current_dir().context("cannot tell the current folder")?;
+            run_in(&here, jrdb().arg("run").args(flags))
+        }
+    }
+}
+
+/// Makes the bundled scenes anew from their `scene.json`.
+pub(crate) fn scenes() -> Result<()> {
+    for scene in bundled()? {
+        run(jrdb().arg("synth").arg("--config").arg(scene.join("scene.json")).arg("--out").arg(&scene))?;
+    }
+    Ok(())
+}
+
+fn jrdb() -> Command {
+    let mut command = cargo();
+    command.args(["run", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
+    command.args(["--package", "jrdb-pipeline", "--bin", "jrdb", "--"]);
+    command
+}
+
+fn bundled() -> Result<Vec<PathBuf>> {
+    let folder = root().join(SCENES);
+    let entries = std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))?;
+    let mut names: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.file_name())).collect();
+    names.sort();
+    Ok(names.into_iter().map(|name| PathBuf::from(SCENES).join(name)).collect())
+}
+
+fn snapshots(update: &str) -> Result<()> {
+    let mut command = cargo();
+    command.args(["test", "--quiet", "--package", "jrdb-pipeline", "--test", "snapshots"]);
+    run(command.env("INSTA_UPDATE", update).env("INSTA_FORCE_PASS", "0"))
+}
