@@ -36,11 +36,23 @@ pub(crate) const LAW: &[Row] = &[
         touches_the_world: true,
     },
     stage("jrdb-perception", "image → detections", &["jrdb-types"]),
-    stage("jrdb-projection", "points and boxes → entities in 3D and their relations", &["jrdb-types"]),
-    stage("jrdb-calibration", "checks of a calibration: the floor", &["jrdb-types", "jrdb-projection"]),
+    stage(
+        "jrdb-projection",
+        "points and boxes → entities in 3D and their relations",
+        &["jrdb-types"],
+    ),
+    stage(
+        "jrdb-calibration",
+        "checks of a calibration: the floor",
+        &["jrdb-types", "jrdb-projection"],
+    ),
     stage("jrdb-graph", "entities and relations → scene graph", &["jrdb-types"]),
     stage("jrdb-parser", "English → query", &["jrdb-types"]),
-    stage("jrdb-search", "graph and query → answer with its reasons", &["jrdb-types", "jrdb-graph"]),
+    stage(
+        "jrdb-search",
+        "graph and query → answer with its reasons",
+        &["jrdb-types", "jrdb-graph"],
+    ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
     Row {
         name: "jrdb-pipeline",
@@ -72,7 +84,8 @@ pub(crate) const LAW: &[Row] = &[
 pub(crate) fn table() -> String {
     let mut text = String::from("| crate | what it is | may depend on |\n|---|---|---|\n");
     for row in LAW {
-        let short: Vec<&str> = row.ours.iter().map(|name| name.trim_start_matches("jrdb-")).collect();
+        let short: Vec<&str> =
+            row.ours.iter().map(|name| name.trim_start_matches("jrdb-")).collect();
         let ours = match short.as_slice() {
             [] => "none of ours".into(),
             all if all.len() + 2 == LAW.len() => "all above".into(),

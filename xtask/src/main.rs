@@ -78,7 +78,10 @@ fn run(command: &mut Command) -> Result<()> {
 
 /// Runs a program in a folder; its exit code is passed on.
 fn run_in(folder: &Path, command: &mut Command) -> Result<()> {
-    let status = command.current_dir(folder).status().with_context(|| format!("cannot start {command:?}"))?;
+    let status = command
+        .current_dir(folder)
+        .status()
+        .with_context(|| format!("cannot start {command:?}"))?;
     match status.code() {
         Some(0) => Ok(()),
         Some(code) => bail!(Failed { code: u8::try_from(code).unwrap_or(1) }),

@@ -33,7 +33,12 @@ pub(crate) fn pipeline(flags: &[String]) -> Result<()> {
 /// Makes the bundled scenes anew from their `scene.json`.
 pub(crate) fn scenes() -> Result<()> {
     for scene in bundled()? {
-        run(jrdb().arg("synth").arg("--config").arg(scene.join("scene.json")).arg("--out").arg(&scene))?;
+        run(jrdb()
+            .arg("synth")
+            .arg("--config")
+            .arg(scene.join("scene.json"))
+            .arg("--out")
+            .arg(&scene))?;
     }
     Ok(())
 }
@@ -47,7 +52,8 @@ fn jrdb() -> Command {
 
 fn bundled() -> Result<Vec<PathBuf>> {
     let folder = root().join(SCENES);
-    let entries = std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))?;
+    let entries =
+        std::fs::read_dir(&folder).with_context(|| format!("cannot list {}", folder.display()))?;
     let mut names: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.file_name())).collect();
     names.sort();
     Ok(names.into_iter().map(|name| PathBuf::from(SCENES).join(name)).collect())

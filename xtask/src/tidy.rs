@@ -10,7 +10,14 @@ use crate::{cargo, root};
 
 /// Only crates that may touch the world may use these.
 const WORLD: [&str; 8] = [
-    "std::env", "std::fs", "std::net", "std::process", "std::time", "CARGO_MANIFEST_DIR", "println!", "eprintln!",
+    "std::env",
+    "std::fs",
+    "std::net",
+    "std::process",
+    "std::time",
+    "CARGO_MANIFEST_DIR",
+    "println!",
+    "eprintln!",
 ];
 
 /// A file may have this many lines before its tests.
@@ -23,7 +30,11 @@ pub(crate) fn tidy() -> Result<()> {
     let mut faults = dependency_faults()?;
     faults.extend(table_fault()?);
     for row in LAW {
-        let folder = if row.name == "xtask" { root().join("xtask") } else { root().join("crates").join(row.name) };
+        let folder = if row.name == "xtask" {
+            root().join("xtask")
+        } else {
+            root().join("crates").join(row.name)
+        };
         faults.extend(page_faults(row, &folder)?);
         for file in rust_files(&folder.join("src"))? {
             faults.extend(source_faults(row, &file)?);
@@ -45,7 +56,8 @@ fn dependency_faults() -> Result<Vec<String>> {
         .current_dir(root())
         .output()
         .context("cannot start cargo metadata")?;
-    let metadata: Value = serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
+    let metadata: Value =
+        serde_json::from_slice(&output.stdout).context("cargo metadata is not JSON")?;
     let packages = metadata["packages"].as_array().context("cargo metadata lists no packages")?;
     let mut faults = Vec::new();
     for package in packages {
@@ -56,7 +68,11 @@ fn dependency_faults() -> Result<Vec<String>> {
         }
     }
     let known = |row: &&Row| !packages.iter().any(|package| package["name"] == row.name);
-    faults.extend(LAW.iter().filter(known).map(|row| format!("the law names {}, which is no package", row.name)));
+    faults.extend(
+        LAW.iter()
+            .filter(known)
+            .map(|row| format!("the law names {}, which is no package", row.name)),
+    );
     Ok(faults)
 }
 
@@ -108,10 +124,14 @@ fn source_faults(row: &Row, path: &Path) -> Result<Vec<String>> {
     }
     for (line, number) in code.lines().zip(1..) {
         let is_comment = line.trim_start().starts_with("//");
-        if let Some(word) = WORLD.iter().find(|word| !row.touches_the_world && !is_comment && line.contains(*word)) {
+        if let Some(word) =
+            WORLD.iter().find(|word| !row.touches_the_world && !is_comment && line.contains(*word))
+        {
             faults.push(format!("{shown}:{number}: {} may not use {word}", row.name));
         }
-        if let Some(path) = HOST_PATHS.iter().find(|path| line.contains(*path) && !shown.ends_with("tidy.rs")) {
+        if let Some(path) =
+            HOST_PATHS.iter().find(|path| line.contains(*path) && !shown.ends_with("tidy.rs"))
+        {
             faults.push(format!("{shown}:{number}: a path of somebody's machine, {path}"));
         }
     }
@@ -120,7 +140,8 @@ fn source_faults(row: &Row, path: &Path) -> Result<Vec<String>> {
 
 fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
-    let entries = std::fs::read_dir(folder).with_context(|| format!("cannot list {}", folder.display()))?;
+    let entries =
+        std::fs::read_dir(folder).with_context(|| format!("cannot list {}", folder.display()))?;
     for entry in entries {
         let path = entry.with_context(|| format!("cannot list {}", folder.display()))?.path();
         if path.is_dir() {

@@ -1,7 +1,9 @@
 //! The stage: entities and relations in, a flat graph out.
 
 use jrdb_types::vocab::Occlusion;
-use jrdb_types::{DistanceWord, Edge, EdgeRelation, Entities, Entity, Node, SceneGraph, SpatialRelation};
+use jrdb_types::{
+    DistanceWord, Edge, EdgeRelation, Entities, Entity, Node, SceneGraph, SpatialRelation,
+};
 use serde::{Deserialize, Serialize};
 
 /// Which pairs get a spatial edge.
@@ -111,8 +113,10 @@ mod tests {
 
     fn scene() -> Entities {
         let mut second = person(2, None);
-        second.interactions =
-            vec![Interaction { partner: EntityId::new("pedestrian", 1), label: "conversation".into() }];
+        second.interactions = vec![Interaction {
+            partner: EntityId::new("pedestrian", 1),
+            label: "conversation".into(),
+        }];
         Entities {
             frame: FrameId::default(),
             lateral: LateralConvention::Physical,

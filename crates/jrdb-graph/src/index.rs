@@ -107,7 +107,8 @@ mod tests {
             issues: Vec::new(),
         };
         let index = GraphIndex::new(&graph);
-        let numbers = |found: Vec<Neighbor<'_>>| found.iter().map(|n| n.id.number).collect::<Vec<_>>();
+        let numbers =
+            |found: Vec<Neighbor<'_>>| found.iter().map(|n| n.id.number).collect::<Vec<_>>();
         assert_eq!(numbers(index.outgoing(&id(1))), [2, 3]);
         assert_eq!(numbers(index.incoming(&id(2))), [1, 3]);
         assert!(index.outgoing(&id(9)).is_empty());

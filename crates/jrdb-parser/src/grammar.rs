@@ -180,17 +180,29 @@ impl Parser {
         let is_action = |t: &Token| t.senses().iter().any(|s| action(s).is_some());
         let is_attribute = |t: &Token| t.senses().iter().any(|s| attribute(s).is_some());
         rest.next().is_some_and(is_action)
-            && rest.find(|t| !is_attribute(t)).is_some_and(|t| t.senses().iter().any(|s| noun(s).is_some()))
+            && rest
+                .find(|t| !is_attribute(t))
+                .is_some_and(|t| t.senses().iter().any(|s| noun(s).is_some()))
     }
 
     /// Reads what is said of a thing behind its noun, to the end of the question.
     fn clauses(&mut self, pattern: &mut Pattern, depth: usize) {
         while self.at < self.tokens.len() {
-            let glue =
-                [Word::Who, Word::Is, Word::Has, Word::With, Word::Located, Word::And, Word::Filler];
+            let glue = [
+                Word::Who,
+                Word::Is,
+                Word::Has,
+                Word::With,
+                Word::Located,
+                Word::And,
+                Word::Filler,
+            ];
             if glue.iter().any(|word| self.is(*word)) || self.is_comma() {
                 self.at += 1;
-            } else if self.doing(pattern) || self.placed(pattern, depth) || self.other(pattern, depth) {
+            } else if self.doing(pattern)
+                || self.placed(pattern, depth)
+                || self.other(pattern, depth)
+            {
             } else if self.is(Word::The) {
                 self.at += 1;
             } else {
@@ -201,7 +213,8 @@ impl Parser {
 
     /// "walking", "walking with a woman", "chatting with a man".
     fn doing(&mut self, pattern: &mut Pattern) -> bool {
-        let with_someone = self.tokens.get(self.at + 1).is_some_and(|next| next.is_word(Word::With));
+        let with_someone =
+            self.tokens.get(self.at + 1).is_some_and(|next| next.is_word(Word::With));
         let label = self.sense(interaction);
         let done = self.sense(action);
         if with_someone && (label.is_some() || done.is_some()) {
@@ -330,7 +343,8 @@ impl Parser {
     /// The thing behind "of", "to" or "from", with what is said of it.
     fn anchor(&mut self, place: &mut Place, depth: usize) {
         let is_robot = self.follows(&[Word::The], |p| p.is(Word::Robot).then_some(()));
-        let is_value = self.follows(&[Word::The, Word::Relative, Word::Prep], |p| p.sense(is_place_word));
+        let is_value =
+            self.follows(&[Word::The, Word::Relative, Word::Prep], |p| p.sense(is_place_word));
         if is_robot {
             self.skip(&[Word::The]);
         }
@@ -367,7 +381,11 @@ impl Parser {
                 let issue = Issue::at(IssueKind::UnknownWord, token.span, message);
                 Issue { suggestion: suggest(word).map(str::to_owned), ..issue }
             }
-            _ => Issue::at(IssueKind::UnknownWord, token.span, "these words fit nowhere here, not used"),
+            _ => Issue::at(
+                IssueKind::UnknownWord,
+                token.span,
+                "these words fit nowhere here, not used",
+            ),
         };
         self.issues.push(issue);
         self.at += 1;

@@ -50,7 +50,8 @@ pub(crate) struct Lexicon {
 }
 
 /// The lexicon of the crate.
-pub(crate) static LEXICON: LazyLock<Lexicon> = LazyLock::new(|| Lexicon::read(include_str!("lexicon.txt")));
+pub(crate) static LEXICON: LazyLock<Lexicon> =
+    LazyLock::new(|| Lexicon::read(include_str!("lexicon.txt")));
 
 impl Lexicon {
     /// Reads the crate's own file; its lines are checked by a test.

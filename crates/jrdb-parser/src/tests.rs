@@ -36,7 +36,8 @@ fn shown_condition(condition: &Condition) -> String {
                 RelationKind::Spatial { distance, direction, viewpoint } => {
                     let words = [distance.map(|d| d.to_string()), direction.map(|d| d.to_string())];
                     let seen = if *viewpoint == Viewpoint::Subject { "mine" } else { "theirs" };
-                    let words: Vec<String> = words.into_iter().flatten().chain([seen.into()]).collect();
+                    let words: Vec<String> =
+                        words.into_iter().flatten().chain([seen.into()]).collect();
                     words.join(", ")
                 }
             };
@@ -154,7 +155,10 @@ fn what_people_type() {
         ("how many women are in front of you?", "count person female robot-direction:front"),
         ("the boy behind the woman", "person child male [back, theirs: person female]"),
         ("a man near a child", "person male [close, theirs: person child]"),
-        ("show me the seated old lady on the left", "person sitting elderly female robot-direction:left"),
+        (
+            "show me the seated old lady on the left",
+            "person sitting elderly female robot-direction:left",
+        ),
         ("people standing", "person standing"),
         (
             "the man in front of a woman who is behind a child",
@@ -173,7 +177,10 @@ fn unknown_words_are_reported_with_place_and_suggestion() {
     assert_eq!(shown(&query), "person");
     let issue = &query.issues[0];
     assert_eq!(issue.message, r#"unknown word "femlae", not used"#);
-    assert_eq!((issue.span, issue.suggestion.as_deref()), (Some(Span { start: 9, end: 15 }), Some("female")));
+    assert_eq!(
+        (issue.span, issue.suggestion.as_deref()),
+        (Some(Span { start: 9, end: 15 }), Some("female"))
+    );
     assert!(query.issues.iter().any(|i| i.message.contains("zebras")));
 }
 

@@ -67,8 +67,12 @@ fn token_at(pieces: &[Piece]) -> (Option<Token>, usize) {
         };
         return (kind.map(|kind| Token { kind, span: first.span }), 1);
     }
-    let words: Vec<&str> =
-        pieces.iter().take(LEXICON.longest).take_while(|p| p.is_word).map(|p| p.text.as_str()).collect();
+    let words: Vec<&str> = pieces
+        .iter()
+        .take(LEXICON.longest)
+        .take_while(|p| p.is_word)
+        .map(|p| p.text.as_str())
+        .collect();
     for length in (1..=words.len()).rev() {
         let senses = LEXICON.senses(&words[..length].join(" "));
         if !senses.is_empty() {

@@ -51,7 +51,9 @@ pub fn open_engine(
     }
     if options.choice == EngineChoice::Ort {
         let tried = "--onnxruntime, ORT_DYLIB_PATH, the models folder, Python and the system";
-        return Err(Error::Usage(format!("expected an ONNX Runtime library, found none in {tried}")));
+        return Err(Error::Usage(format!(
+            "expected an ONNX Runtime library, found none in {tried}"
+        )));
     }
     let engine = RtenEngine::from_onnx(model).map_err(wrap)?;
     Ok((Box::new(engine), "engine: rten (pure Rust, CPU)".into()))
@@ -61,7 +63,8 @@ fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>
     if options.choice == EngineChoice::Rten {
         return Ok(None);
     }
-    let named = options.library.clone().or_else(|| std::env::var_os("ORT_DYLIB_PATH").map(PathBuf::from));
+    let named =
+        options.library.clone().or_else(|| std::env::var_os("ORT_DYLIB_PATH").map(PathBuf::from));
     if let Some(path) = named {
         let what = path.display().to_string();
         let library = OrtLibrary::load(&path).map_err(|source| Error::Engine { what, source })?;
@@ -75,7 +78,8 @@ fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>
 
 /// The folder of ONNX Runtime's library in the active Python environment.
 fn python_package() -> Option<PathBuf> {
-    let script = "import importlib.util as u; s = u.find_spec('onnxruntime'); print(s.origin if s else '')";
+    let script =
+        "import importlib.util as u; s = u.find_spec('onnxruntime'); print(s.origin if s else '')";
     let output = Command::new("python3").args(["-c", script]).output().ok()?;
     let origin = String::from_utf8(output.stdout).ok()?;
     let package = Path::new(origin.trim()).parent()?.to_path_buf();

@@ -17,6 +17,9 @@ pub enum Error {
         /// Why.
         source: jrdb_projection::Error,
     },
+    /// The labels of a frame's sequence cannot be read.
+    #[error("{0}")]
+    Labels(String),
     /// A model failed.
     #[error(transparent)]
     Perception(#[from] jrdb_perception::PerceptionError),
@@ -61,7 +64,11 @@ impl Error {
         }
     }
 
-    pub(crate) fn file(action: &'static str, path: &std::path::Path, source: std::io::Error) -> Self {
+    pub(crate) fn file(
+        action: &'static str,
+        path: &std::path::Path,
+        source: std::io::Error,
+    ) -> Self {
         Self::File { action, path: path.into(), source }
     }
 }

@@ -75,8 +75,12 @@ pub fn process(
     questions: &[Question],
     config: &PipelineConfig,
 ) -> Result<FrameOutput, Error> {
-    let entities = jrdb_projection::project(&input.detections, &input.clouds, &input.rig, &config.projection)
-        .map_err(|source| Error::Projection { frame: input.detections.frame.to_string(), source })?;
+    let entities =
+        jrdb_projection::project(&input.detections, &input.clouds, &input.rig, &config.projection)
+            .map_err(|source| Error::Projection {
+                frame: input.detections.frame.to_string(),
+                source,
+            })?;
     let graph = jrdb_graph::build(&entities, &config.graph);
     let ask = |question: &Question| {
         let query = jrdb_parser::parse(&question.text);

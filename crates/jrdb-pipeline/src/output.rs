@@ -30,7 +30,8 @@ impl Layout {
     }
 
     fn frame(self, root: &Path, frame: &FrameId) -> PathBuf {
-        let sequence = if self.by_sequence { root.join(&frame.sequence) } else { root.to_path_buf() };
+        let sequence =
+            if self.by_sequence { root.join(&frame.sequence) } else { root.to_path_buf() };
         if self.by_frame { sequence.join(format!("{:06}", frame.frame)) } else { sequence }
     }
 
@@ -70,9 +71,17 @@ impl Writer {
         let folder = self.layout.frame(&self.root, &output.detections.frame);
         if self.with_artifacts {
             let stage = json!(self.config.projection);
-            write_artefact(&folder.join("detections.json"), self.perception.clone(), &output.detections)?;
+            write_artefact(
+                &folder.join("detections.json"),
+                self.perception.clone(),
+                &output.detections,
+            )?;
             write_artefact(&folder.join("entities.json"), stage, &output.entities)?;
-            write_artefact(&folder.join("scene_graph.json"), json!(self.config.graph), &output.graph)?;
+            write_artefact(
+                &folder.join("scene_graph.json"),
+                json!(self.config.graph),
+                &output.graph,
+            )?;
         }
         if output.asked.is_empty() {
             self.pictures(&folder, input, output, None)?;
@@ -114,7 +123,11 @@ impl Writer {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write_artefact<T: Payload + Clone>(path: &Path, config: Value, data: &T) -> Result<(), Error> {
+pub fn write_artefact<T: Payload + Clone>(
+    path: &Path,
+    config: Value,
+    data: &T,
+) -> Result<(), Error> {
     write(path, Artefact::new(config, data.clone()).to_json().as_bytes())
 }
 

@@ -9,9 +9,9 @@ use jrdb_perception::{Detector, SsdLite, SsdLiteConfig};
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{Detections, Image, Issue};
 
+use crate::Error;
 use crate::engine::{EngineOptions, open_engine};
 use crate::source::{FrameSource, without_root};
-use crate::Error;
 
 /// The file of the SSDLite person detector in the models folder.
 pub const SSDLITE_FILE: &str = "ssdlite-mbv2-300-person.f16.onnx";
@@ -58,8 +58,7 @@ impl Perceiver {
     /// Reads label files or models once, for all frames.
     ///
     /// # Errors
-    /// When a file of detections, a model or an engine is unusable. Missing labels are an issue of their
-    /// frames.
+    /// When a file of detections, a model or an engine is unusable. Labels are looked at frame by frame.
     pub fn open(
         source: &PerceptionSource,
         frames: &[FrameSource],
@@ -91,7 +90,10 @@ impl Perceiver {
             let sequence = &frame.id.sequence;
             if !detections.contains_key(sequence) {
                 let image = frame.rig.panorama.image();
-                detections.insert(sequence.clone(), jrdb_dataset::read_detections(path, sequence, image)?);
+                detections.insert(
+                    sequence.clone(),
+                    jrdb_dataset::read_detections(path, sequence, image)?,
+                );
             }
         }
         let config = serde_json::json!({ "perception": "file" });
@@ -122,8 +124,8 @@ impl Perceiver {
     /// Detections of one frame.
     ///
     /// # Errors
-    /// When the model fails. A frame without labels, without detections in the file or without a picture
-    /// has no detections and an issue.
+    /// When the model fails or the sequence's labels cannot be read. A frame that is not in the file of
+    /// detections, or has no picture for the model, has no detections and an issue.
     pub fn detect(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
         let geometry = frame.rig.panorama.image();
         let nothing = |message: String| Detections {
@@ -136,13 +138,16 @@ impl Perceiver {
             Kind::Labels(labels) => {
                 match labels.get(&(frame.dataset.root().into(), frame.id.sequence.clone())) {
                     Some(Ok(labels)) => Ok(labels.detections(&frame.id, geometry)),
-                    Some(Err(message)) => Ok(nothing(message.clone())),
-                    None => Ok(nothing(format!("no labels were opened for {}", frame.id))),
+                    Some(Err(message)) => Err(Error::Labels(message.clone())),
+                    None => Err(Error::Labels(format!("no labels were opened for {}", frame.id))),
                 }
             }
             Kind::File(files) => {
-                let found = files.get(&frame.id.sequence).and_then(|frames| frames.get(&frame.id.frame));
-                Ok(found.cloned().unwrap_or_else(|| nothing(format!("the file has nothing for {}", frame.id))))
+                let found =
+                    files.get(&frame.id.sequence).and_then(|frames| frames.get(&frame.id.frame));
+                Ok(found
+                    .cloned()
+                    .unwrap_or_else(|| nothing(format!("the file has nothing for {}", frame.id))))
             }
             Kind::Model(detector) => match image {
                 Some(image) => Ok(detector.detect(image, &frame.id)?),

@@ -7,9 +7,9 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Artefact, EntityId, Issue, Scores, Span, Task};
 use serde_json::{Value, json};
 
+use crate::PipelineConfig;
 use crate::frame::{Asked, FrameOutput};
 use crate::run::RunResult;
-use crate::PipelineConfig;
 
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;
@@ -74,9 +74,13 @@ fn frame_text<'a>(
     let objects = output.graph.nodes.len() - people;
     let placed = output.graph.nodes.iter().filter(|node| node.center.is_some()).count();
     let frame = &output.detections.frame;
-    line(text, &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"));
-    for issue in output.issues.iter().chain(&output.entities.issues) {
-        line(text, &format!("  note: {}", issue_text(issue)));
+    line(
+        text,
+        &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"),
+    );
+    for (message, subjects) in by_message(output.issues.iter().chain(&output.entities.issues)) {
+        let colon = if subjects.is_empty() { "" } else { ": " };
+        line(text, &format!("  note: {}{colon}{message}", subjects.join(" ")));
     }
     for asked in &output.asked {
         asked_text(text, asked);
@@ -129,17 +133,17 @@ pub fn why(trace: &CandidateTrace) -> String {
     format!("{}: {}", short(&trace.id), checks.join("; "))
 }
 
+/// `moderate distance from the robot (moderate, 1.65 m)`, `NOT age young (child)`,
+/// `has a person to its left (#3: close, 1.21 m; left, +88°)`.
 fn check_text(check: &Check) -> String {
-    let found = check.found.as_deref().unwrap_or("unknown");
     let mark = if check.holds { "" } else { "NOT " };
+    let found = check.found.as_deref().unwrap_or("unknown");
+    let inner: Vec<String> = check.witness_checks.iter().map(check_text).collect();
+    let inner = if inner.is_empty() { String::new() } else { format!("; {}", inner.join("; ")) };
     match &check.witness {
-        None => format!("{mark}{}: {found}", check.asked),
-        Some(witness) => {
-            let inner: Vec<String> = check.witness_checks.iter().map(check_text).collect();
-            let inner =
-                if inner.is_empty() { String::new() } else { format!(" [{}]", inner.join("; ")) };
-            format!("{mark}{}: {} is {found}{inner}", check.asked, short(witness))
-        }
+        None if check.holds && check.asked.ends_with(found) => check.asked.clone(),
+        None => format!("{mark}{} ({found})", check.asked),
+        Some(witness) => format!("{mark}{} ({}: {found}{inner})", check.asked, short(witness)),
     }
 }
 
@@ -153,18 +157,35 @@ pub fn short(id: &EntityId) -> String {
 }
 
 fn ids(ids: &[EntityId]) -> String {
-    if ids.is_empty() { "nobody".into() } else { ids.iter().map(short).collect::<Vec<_>>().join(" ") }
+    if ids.is_empty() {
+        "nobody".into()
+    } else {
+        ids.iter().map(short).collect::<Vec<_>>().join(" ")
+    }
 }
 
-fn issue_text(issue: &Issue) -> String {
-    let subject = issue.subject.as_ref().map(|id| format!("{}: ", short(id))).unwrap_or_default();
-    format!("{subject}{}", issue.message)
+/// Issues with one message told once, with all they are about, in the order of the first.
+fn by_message<'a>(issues: impl Iterator<Item = &'a Issue>) -> Vec<(&'a str, Vec<String>)> {
+    let mut told: Vec<(&str, Vec<String>)> = Vec::new();
+    for issue in issues {
+        let at = told.iter().position(|(message, _)| *message == issue.message);
+        let at = at.unwrap_or_else(|| {
+            told.push((&issue.message, Vec::new()));
+            told.len() - 1
+        });
+        told[at].1.extend(issue.subject.as_ref().map(short));
+    }
+    told
 }
 
 /// An issue of a query with the words it is about underlined.
 #[must_use]
 pub fn query_issue_text(query: &str, issue: &Issue) -> String {
-    let hint = issue.suggestion.as_ref().map(|word| format!("; did you mean {word:?}?")).unwrap_or_default();
+    let hint = issue
+        .suggestion
+        .as_ref()
+        .map(|word| format!("; did you mean {word:?}?"))
+        .unwrap_or_default();
     let marks = issue.span.and_then(|span| underline(query, span));
     let marks = marks.map(|marks| format!("{marks}\n")).unwrap_or_default();
     format!("{marks}note: {}{hint}", issue.message)

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::engine::EngineOptions;
 use crate::output::{Layout, Writer};
-use crate::perceive::{PerceptionSource, Perceiver};
+use crate::perceive::{Perceiver, PerceptionSource};
 use crate::source::{self, FrameSource, Source};
 use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
 
@@ -71,7 +71,8 @@ pub struct RunResult {
 pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
     let frames = source::list_frames(&options.sources, options.frames.as_ref())?;
     let questions = frame_questions(options, &frames)?;
-    let perceiver = Perceiver::open(&options.perception, &frames, &options.models, &options.engine)?;
+    let perceiver =
+        Perceiver::open(&options.perception, &frames, &options.models, &options.engine)?;
     let asked = questions.per_frame.iter().map(Vec::len).max().unwrap_or(0);
     let ids: Vec<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
     let layout = Layout::of(&ids, asked);

@@ -108,17 +108,23 @@ impl FrameSource {
     pub fn read(&self) -> SensorData {
         let (clouds, mut issues) = self.dataset.clouds(&self.id.sequence, self.id.frame);
         let image = self.dataset.image(&self.id.sequence, self.id.frame);
-        let expected = [self.rig.panorama.width_px, self.rig.panorama.height_px].map(|n| n as usize);
+        let expected =
+            [self.rig.panorama.width_px, self.rig.panorama.height_px].map(|n| n as usize);
         let image = match image {
             Ok(image) if [image.width, image.height] == expected => Some(image),
             Ok(image) => {
                 let found = [image.width, image.height];
-                let message = format!("expected a panorama of {expected:?} px as in the calibration, found {found:?}");
+                let message = format!(
+                    "expected a panorama of {expected:?} px as in the calibration, found {found:?}"
+                );
                 issues.push(Issue::new(IssueKind::MissingInput, message));
                 None
             }
             Err(error) => {
-                issues.push(Issue::new(IssueKind::MissingInput, without_root(&error, self.dataset.root())));
+                issues.push(Issue::new(
+                    IssueKind::MissingInput,
+                    without_root(&error, self.dataset.root()),
+                ));
                 None
             }
         };

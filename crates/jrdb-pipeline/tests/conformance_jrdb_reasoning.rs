@@ -37,7 +37,9 @@ fn id(key: &str) -> EntityId {
 }
 
 fn belief<T: Ord + Copy>(value: &Value, key: &str, read: impl Fn(&str) -> Option<T>) -> Belief<T> {
-    Belief::from_label(text(value, key).map(|word| read(word).unwrap_or_else(|| panic!("{key} {word}"))))
+    Belief::from_label(
+        text(value, key).map(|word| read(word).unwrap_or_else(|| panic!("{key} {word}"))),
+    )
 }
 
 fn attributes(value: &Value) -> Attributes {
@@ -75,7 +77,11 @@ fn engine_graph(graph: &Value, frame: &str) -> SceneGraph {
         };
         Node {
             id: id(key),
-            category: if is_person { "person".into() } else { text(node, "obj_name").unwrap().into() },
+            category: if is_person {
+                "person".into()
+            } else {
+                text(node, "obj_name").unwrap().into()
+            },
             score: 1.0,
             bbox: pixel_box(&node["bbox"]),
             attributes: if is_person { attributes(node) } else { Attributes::default() },
@@ -135,7 +141,11 @@ fn our_graph(frame: &Value) -> SceneGraph {
     for (subject, from, heading) in &placed {
         for (object, to, _) in placed.iter().filter(|(object, ..)| object != subject) {
             let relation = from_person(&(*from).into(), Some(*heading), &(*to).into(), ENGINE);
-            relations.push(PairRelation { subject: subject.clone(), object: object.clone(), relation });
+            relations.push(PairRelation {
+                subject: subject.clone(),
+                object: object.clone(),
+                relation,
+            });
         }
     }
     let entities = Entities {
@@ -164,8 +174,7 @@ fn entity(person: &Value, placed: &[(EntityId, [f64; 3], f64)]) -> Entity {
     });
     // The engine takes the distance from the label's own attribute.
     let distance = person["distance"].as_f64().and_then(jrdb_projection::relation::distance::word);
-    let from_robot =
-        center.map(|c| SpatialRelation { distance, ..from_robot(&c.into(), ENGINE) });
+    let from_robot = center.map(|c| SpatialRelation { distance, ..from_robot(&c.into(), ENGINE) });
     Entity {
         id,
         category: "person".into(),
@@ -188,7 +197,8 @@ fn words(relation: &SpatialRelation) -> (Option<DistanceWord>, Option<Direction>
 /// Ids and words of a graph, without its numbers.
 fn shown(graph: &SceneGraph) -> Vec<String> {
     let nodes = graph.nodes.iter().filter(|node| node.category == "person");
-    let nodes = nodes.map(|n| format!("{} {:?} {:?}", n.id, n.attributes, n.from_robot.as_ref().map(words)));
+    let nodes = nodes
+        .map(|n| format!("{} {:?} {:?}", n.id, n.attributes, n.from_robot.as_ref().map(words)));
     let to_people = graph.edges.iter().filter(|e| e.to.class == "pedestrian");
     let edges = to_people.map(|e| match &e.relation {
         EdgeRelation::Spatial(relation) => format!("{} {} {:?}", e.from, e.to, words(relation)),
@@ -231,8 +241,13 @@ fn conformance_jrdb_reasoning_questions() {
         let category = text(question, "category").unwrap();
         let frames = scene["scene"]["frames"].as_array().unwrap();
         let ours = frames.iter().find(|f| text(f, "frame_id") == Some(frame)).unwrap();
-        let wanted = ids(if category == "human" { &labels["human"]["target_ID"] } else { &labels["final_ID"] });
-        let answers = [engine_graph(&scene["graph"], frame), our_graph(ours)].map(|g| answer(&g, sentence));
+        let wanted = ids(if category == "human" {
+            &labels["human"]["target_ID"]
+        } else {
+            &labels["final_ID"]
+        });
+        let answers =
+            [engine_graph(&scene["graph"], frame), our_graph(ours)].map(|g| answer(&g, sentence));
         let is_right = answers.iter().all(|found| {
             let found_ids: BTreeSet<EntityId> = found.selection.iter().cloned().collect();
             let number = found.count.map(|count| count as u64);
@@ -245,7 +260,10 @@ fn conformance_jrdb_reasoning_questions() {
         *right += usize::from(is_right);
         *all += 1;
         if !is_right {
-            println!("wrong: {sentence}\n  wanted {wanted:?}\n  found {:?}", answers.map(|a| a.selection));
+            println!(
+                "wrong: {sentence}\n  wanted {wanted:?}\n  found {:?}",
+                answers.map(|a| a.selection)
+            );
         }
     }
     for (category, (right, all)) in &tally {

@@ -11,7 +11,8 @@ use jrdb_projection::nalgebra::{Point3, Vector3};
 use jrdb_projection::relation::{direction, distance, from_person, from_robot};
 use jrdb_projection::{CameraModel, ProjectionConfig, project};
 use jrdb_types::{
-    Detection, Detections, EntityId, FrameId, LateralConvention, Localizer, PixelBox, SpatialRelation,
+    Detection, Detections, EntityId, FrameId, LateralConvention, Localizer, PixelBox,
+    SpatialRelation,
 };
 use shared::{shared, table};
 
@@ -29,7 +30,9 @@ fn numbers<const N: usize>(row: &Row, columns: [&str; N]) -> [f64; N] {
 
 #[test]
 fn conformance_projection_reference() {
-    let (Some(rows), Some(root)) = (table("data/projection_reference.csv"), shared("data/jrdb-sample")) else {
+    let (Some(rows), Some(root)) =
+        (table("data/projection_reference.csv"), shared("data/jrdb-sample"))
+    else {
         return;
     };
     let rig = Dataset::open(&root).unwrap().rig().unwrap();
@@ -75,7 +78,8 @@ fn conformance_geometry_words() {
     for row in &rows {
         let kind = row["kind"].as_str();
         let margins = ["angle_margin_deg", "distance_margin_m"].map(|c| row[c].parse::<f64>().ok());
-        if matches!(kind, "robot" | "hhg") && margins.iter().flatten().any(|margin| *margin < 1e-9) {
+        if matches!(kind, "robot" | "hhg") && margins.iter().flatten().any(|margin| *margin < 1e-9)
+        {
             continue;
         }
         let b = ["b_cx", "b_cy", "b_cz"].map(|c| row[c].parse::<f64>());
@@ -122,7 +126,8 @@ struct Labelled {
 fn frame_zero() -> Option<Vec<Labelled>> {
     let path = shared(&format!("data/jrdb-sample/labels/{SEQUENCE}.track_3dbb_2dbb.csv"))?;
     let text = std::fs::read_to_string(path).unwrap();
-    let rows = text.lines().map(|line| line.split(',').map(|f| f.parse().unwrap()).collect::<Vec<f64>>());
+    let rows =
+        text.lines().map(|line| line.split(',').map(|f| f.parse().unwrap()).collect::<Vec<f64>>());
     let labelled = rows.filter(|row| row[0] == 0.0).map(|row| Labelled {
         id: EntityId::new("pedestrian", row[1] as u32),
         center: [row[2], row[3]],
@@ -144,7 +149,12 @@ fn detections(people: &[Labelled], image: jrdb_types::ImageGeometry) -> Detectio
         box3d: None,
     };
     let frame = FrameId { sequence: SEQUENCE.into(), frame: 0 };
-    Detections { frame, image, detections: people.iter().map(detection).collect(), issues: Vec::new() }
+    Detections {
+        frame,
+        image,
+        detections: people.iter().map(detection).collect(),
+        issues: Vec::new(),
+    }
 }
 
 #[test]
@@ -165,7 +175,10 @@ fn conformance_positions_on_the_real_frame() {
         entities.iter().zip(&people).map(error).collect::<Vec<f64>>()
     };
     let (mean, densest) = (errors(Localizer::Mean), errors(Localizer::DensestRange));
-    println!("horizontal position error, metres\n{:<16}{:>8}{:>15}", "person", "mean", "densest-range");
+    println!(
+        "horizontal position error, metres\n{:<16}{:>8}{:>15}",
+        "person", "mean", "densest-range"
+    );
     for ((person, mean), densest) in people.iter().zip(&mean).zip(&densest) {
         println!("{:<16}{mean:>8.2}{densest:>15.2}", person.id.to_string());
     }
@@ -187,21 +200,29 @@ fn average(values: &[f64]) -> f64 {
 
 #[test]
 fn conformance_points_in_boxes_on_the_real_frame() {
-    let (Some(rows), Some(root)) = (table("data/frame0_box_points_reference.csv"), shared("data/jrdb-sample"))
+    let (Some(rows), Some(root)) =
+        (table("data/frame0_box_points_reference.csv"), shared("data/jrdb-sample"))
     else {
         return;
     };
     let dataset = Dataset::open(&root).unwrap();
     let rig = dataset.rig().unwrap();
-    let cloud = jrdb_projection::BaseCloud::merge(&dataset.clouds(SEQUENCE, 0).0, &rig, &mut Vec::new());
-    let boxes: Vec<PixelBox> =
-        rows.iter().map(|row| PixelBox::from(numbers(row, ["box_x", "box_y", "box_w", "box_h"]))).collect();
+    let cloud =
+        jrdb_projection::BaseCloud::merge(&dataset.clouds(SEQUENCE, 0).0, &rig, &mut Vec::new());
+    let boxes: Vec<PixelBox> = rows
+        .iter()
+        .map(|row| PixelBox::from(numbers(row, ["box_x", "box_y", "box_w", "box_h"])))
+        .collect();
     let inside = jrdb_projection::select::points_in_boxes(&cloud, &boxes, rig.panorama.image());
     for (row, inside) in rows.iter().zip(&inside) {
         assert_eq!(inside.len() as f64, number(row, "points_in_box"), "{}", row["label_id"]);
         let mean = jrdb_projection::localize::mean(&cloud.points, inside).unwrap().center;
         let expected = Point3::from(numbers(row, ["mean_x", "mean_y", "mean_z"]));
-        assert!((mean - expected).norm() < 1e-5, "{}: {mean} instead of {expected}", row["label_id"]);
+        assert!(
+            (mean - expected).norm() < 1e-5,
+            "{}: {mean} instead of {expected}",
+            row["label_id"]
+        );
     }
     println!("{} of {} boxes hold the reference's points", inside.len(), rows.len());
 }

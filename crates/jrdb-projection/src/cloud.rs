@@ -37,7 +37,8 @@ impl BaseCloud {
                 Some(mount) => merged.push(cloud, &base_from_lidar(mount), &rig.panorama),
                 None => {
                     let known: Vec<&str> = rig.lidars.iter().map(|m| m.name.as_str()).collect();
-                    let message = format!("the rig has no lidar {:?}, only {known:?}", cloud.sensor);
+                    let message =
+                        format!("the rig has no lidar {:?}, only {known:?}", cloud.sensor);
                     issues.push(Issue::new(IssueKind::MissingInput, message));
                 }
             }
@@ -45,7 +46,12 @@ impl BaseCloud {
         merged
     }
 
-    fn push(&mut self, cloud: &PointCloud, base_from_lidar: &Isometry3<f64>, camera: &dyn CameraModel) {
+    fn push(
+        &mut self,
+        cloud: &PointCloud,
+        base_from_lidar: &Isometry3<f64>,
+        camera: &dyn CameraModel,
+    ) {
         for ((&x, &y), &z) in cloud.x.iter().zip(&cloud.y).zip(&cloud.z) {
             let point = base_from_lidar * Point3::new(x, y, z);
             if let Some(pixel) = camera.pixel_from_base(&point) {
@@ -75,8 +81,12 @@ mod tests {
     use jrdb_types::rig::CylindricalPanorama;
 
     fn rig() -> Rig {
-        let panorama =
-            CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
+        let panorama = CylindricalPanorama {
+            width_px: 3760,
+            height_px: 480,
+            focal_px: 480.0,
+            horizon_px: 210.0,
+        };
         let mount = LidarMount { name: "upper".into(), offset_m: [0.0, 0.0, -0.3], yaw_rad: 0.1 };
         Rig { panorama, lidars: vec![mount] }
     }

@@ -2,8 +2,8 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{
-    Box3d, Detection, Detections, Entities, Entity, Issue, Localizer, PairRelation, PointCloud, Position, Rig,
-    detection::PERSON,
+    Box3d, Detection, Detections, Entities, Entity, Issue, Localizer, PairRelation, PointCloud,
+    Position, Rig, detection::PERSON,
 };
 use nalgebra::Point3;
 
@@ -17,7 +17,9 @@ use crate::{BaseCloud, ProjectionConfig, relation};
 #[non_exhaustive]
 pub enum Error {
     /// The detections were made on an image of another size than the rig's.
-    #[error("expected detections on a {expected_px:?} px image as the rig has, found {found_px:?} px")]
+    #[error(
+        "expected detections on a {expected_px:?} px image as the rig has, found {found_px:?} px"
+    )]
     ImageSize {
         /// Columns and rows of the rig's panorama.
         expected_px: [u32; 2],
@@ -68,7 +70,9 @@ fn check(detections: &Detections, rig: &Rig) -> Result<(), Error> {
     if expected_px != found_px {
         return Err(Error::ImageSize { expected_px, found_px });
     }
-    let mount = |m: &jrdb_types::LidarMount| m.yaw_rad.is_finite() && m.offset_m.iter().all(|c| c.is_finite());
+    let mount = |m: &jrdb_types::LidarMount| {
+        m.yaw_rad.is_finite() && m.offset_m.iter().all(|c| c.is_finite())
+    };
     let camera = &rig.panorama;
     if camera.focal_px <= 0.0 || !(camera.focal_px + camera.horizon_px).is_finite() {
         return Err(Error::BadRig { found: format!("{camera:?}") });
@@ -92,7 +96,8 @@ impl Frame<'_> {
             Localizer::Mean | Localizer::DensestRange => self.from_points(detection, inside),
         };
         self.report(detection, placed.as_ref().map(|(position, _)| position), issues);
-        let (position, box3d) = placed.map_or((None, None), |(position, box3d)| (Some(position), box3d));
+        let (position, box3d) =
+            placed.map_or((None, None), |(position, box3d)| (Some(position), box3d));
         Entity {
             id: detection.id.clone(),
             category: detection.category.clone(),
@@ -104,17 +109,29 @@ impl Frame<'_> {
             position,
             box3d,
             heading_rad: detection.heading_rad,
-            from_robot: position.map(|p| relation::from_robot(&p.center.into(), self.config.lateral)),
+            from_robot: position
+                .map(|p| relation::from_robot(&p.center.into(), self.config.lateral)),
         }
     }
 
-    fn from_points(&self, detection: &Detection, inside: &[usize]) -> Option<(Position, Option<Box3d>)> {
+    fn from_points(
+        &self,
+        detection: &Detection,
+        inside: &[usize],
+    ) -> Option<(Position, Option<Box3d>)> {
         let is_person = if detection.category == PERSON { IsPerson::Yes } else { IsPerson::No };
         let (camera, config) = (&self.rig.panorama, self.config);
         let points = &self.cloud.points;
         let Located { center, used } = match config.localizer {
             Localizer::Mean => localize::mean(points, inside),
-            _ => localize::densest_range(self.cloud, inside, &detection.bbox, is_person, camera, config),
+            _ => localize::densest_range(
+                self.cloud,
+                inside,
+                &detection.bbox,
+                is_person,
+                camera,
+                config,
+            ),
         }?;
         let box3d = (is_person == IsPerson::Yes)
             .then(|| person_box(&center, &detection.bbox, detection.heading_rad, camera, config));
@@ -124,7 +141,8 @@ impl Frame<'_> {
             _ => center.into(),
         };
         let ranges = used.iter().map(|&i| points[i].x.hypot(points[i].y));
-        let range_m = ranges.fold([f64::INFINITY, 0.0], |[near, far], r| [near.min(r), f64::max(far, r)]);
+        let range_m =
+            ranges.fold([f64::INFINITY, 0.0], |[near, far], r| [near.min(r), f64::max(far, r)]);
         let (localizer, points_in_box, points_used) = (config.localizer, inside.len(), used.len());
         Some((Position { center, localizer, points_in_box, points_used, range_m }, box3d))
     }
@@ -134,7 +152,11 @@ impl Frame<'_> {
         let few = self.config.few_points;
         match position {
             None if self.config.localizer == Localizer::Given => {
-                issues.push(Issue::about(IssueKind::NoPoints, id, "the detection brings no 3d box"));
+                issues.push(Issue::about(
+                    IssueKind::NoPoints,
+                    id,
+                    "the detection brings no 3d box",
+                ));
             }
             None => issues.push(Issue::about(IssueKind::NoPoints, id, "no lidar point in the box")),
             Some(p) if p.localizer != Localizer::Given && p.points_used < few => {
@@ -187,9 +209,14 @@ mod tests {
     use jrdb_types::{EntityId, FrameId, PixelBox};
 
     fn rig() -> Rig {
-        let panorama =
-            CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
-        let mount = jrdb_types::LidarMount { name: "upper".into(), offset_m: [0.0; 3], yaw_rad: 0.0 };
+        let panorama = CylindricalPanorama {
+            width_px: 3760,
+            height_px: 480,
+            focal_px: 480.0,
+            horizon_px: 210.0,
+        };
+        let mount =
+            jrdb_types::LidarMount { name: "upper".into(), offset_m: [0.0; 3], yaw_rad: 0.0 };
         Rig { panorama, lidars: vec![mount] }
     }
 
@@ -221,7 +248,10 @@ mod tests {
         let x = [vec![3.9; 10], vec![0.0; 10]].concat();
         let y = [vec![0.0; 10], vec![3.9; 10]].concat();
         let z = (0..20).map(|i| 0.02 * f64::from(i % 10)).collect();
-        (detections(people), PointCloud { sensor: "upper".into(), x, y, z, ..PointCloud::default() })
+        (
+            detections(people),
+            PointCloud { sensor: "upper".into(), x, y, z, ..PointCloud::default() },
+        )
     }
 
     #[test]

@@ -9,7 +9,11 @@ use crate::cloud::BaseCloud;
 /// Boxes are half-open, and go on across the seam where the image wraps. Cost: the points once, each
 /// compared with the boxes that cover its column.
 #[must_use]
-pub fn points_in_boxes(cloud: &BaseCloud, boxes: &[PixelBox], image: ImageGeometry) -> Vec<Vec<usize>> {
+pub fn points_in_boxes(
+    cloud: &BaseCloud,
+    boxes: &[PixelBox],
+    image: ImageGeometry,
+) -> Vec<Vec<usize>> {
     let columns = boxes_by_column(boxes, image);
     let mut inside = vec![Vec::new(); boxes.len()];
     for (point, (&u, &v)) in cloud.u.iter().zip(&cloud.v).enumerate() {
@@ -69,7 +73,8 @@ mod tests {
     #[test]
     fn a_box_across_the_seam_holds_points_of_both_ends() {
         let bbox = PixelBox::from([3750.0, 100.0, 20.0, 50.0]);
-        let cloud = cloud(&[(3755.0, 120.0), (5.0, 120.0), (10.0, 120.0), (5.0, 150.0), (1880.0, 120.0)]);
+        let cloud =
+            cloud(&[(3755.0, 120.0), (5.0, 120.0), (10.0, 120.0), (5.0, 150.0), (1880.0, 120.0)]);
         assert_eq!(points_in_boxes(&cloud, &[bbox], PANORAMA), [[0, 1]]);
     }
 

@@ -107,24 +107,30 @@ impl Judge<'_> {
     fn check(&self, id: &EntityId, node: Option<&Node>, condition: &Condition) -> (Check, usize) {
         let known = node.map(|n| &n.attributes);
         let check = match condition {
-            Condition::Age(value) => attribute(known.map(|a| &a.age), *value, jrdb_types::Age::ALL.len()),
+            Condition::Age(value) => {
+                attribute(known.map(|a| &a.age), *value, jrdb_types::Age::ALL.len())
+            }
             Condition::Gender(value) => {
                 attribute(known.map(|a| &a.gender), *value, jrdb_types::Gender::ALL.len())
             }
-            Condition::Race(value) => attribute(known.map(|a| &a.race), *value, jrdb_types::Race::ALL.len()),
+            Condition::Race(value) => {
+                attribute(known.map(|a| &a.race), *value, jrdb_types::Race::ALL.len())
+            }
             Condition::Action(value) => {
                 attribute(known.map(|a| &a.action), *value, jrdb_types::Action::ALL.len())
             }
-            Condition::RobotDistance(value) => {
-                from_robot(node, wording::distance, |r| r.distance == Some(*value), |r| {
-                    probability::of_distance(r, *value, self.config)
-                })
-            }
-            Condition::RobotDirection(value) => {
-                from_robot(node, wording::direction, |r| r.direction == Some(*value), |r| {
-                    probability::of_direction(r, *value, self.lateral, 0.0, self.config)
-                })
-            }
+            Condition::RobotDistance(value) => from_robot(
+                node,
+                wording::distance,
+                |r| r.distance == Some(*value),
+                |r| probability::of_distance(r, *value, self.config),
+            ),
+            Condition::RobotDirection(value) => from_robot(
+                node,
+                wording::direction,
+                |r| r.direction == Some(*value),
+                |r| probability::of_direction(r, *value, self.lateral, 0.0, self.config),
+            ),
             Condition::Relation(relation) => {
                 let (check, satisfied) = self.relation(id, relation);
                 return (Check { asked: wording::asked(condition), ..check }, satisfied);
@@ -168,7 +174,11 @@ impl Judge<'_> {
         }
     }
 
-    fn witness<'a>(&self, neighbor: &Neighbor<'a>, relation: &RelationPattern) -> Option<Witness<'a>> {
+    fn witness<'a>(
+        &self,
+        neighbor: &Neighbor<'a>,
+        relation: &RelationPattern,
+    ) -> Option<Witness<'a>> {
         let is_partner = match neighbor.node {
             Some(node) => is_of(&relation.partner.category, node),
             // The benchmark's graphs have edges to people it does not describe.
@@ -177,16 +187,18 @@ impl Judge<'_> {
         if !is_partner {
             return None;
         }
-        let (relation_holds, relation_probability, found) = match (&relation.kind, neighbor.relation) {
-            (RelationKind::Interaction { label }, EdgeRelation::Interaction { label: found }) => {
-                (label == found, if label == found { 1.0 } else { 0.0 }, Some(found.clone()))
-            }
-            (RelationKind::Spatial { .. }, EdgeRelation::Spatial(found)) => {
-                let (holds, probability) = self.spatial(&relation.kind, found);
-                (holds, probability, wording::place(found))
-            }
-            _ => return None,
-        };
+        let (relation_holds, relation_probability, found) =
+            match (&relation.kind, neighbor.relation) {
+                (
+                    RelationKind::Interaction { label },
+                    EdgeRelation::Interaction { label: found },
+                ) => (label == found, if label == found { 1.0 } else { 0.0 }, Some(found.clone())),
+                (RelationKind::Spatial { .. }, EdgeRelation::Spatial(found)) => {
+                    let (holds, probability) = self.spatial(&relation.kind, found);
+                    (holds, probability, wording::place(found))
+                }
+                _ => return None,
+            };
         let verdict = self.judge(neighbor.id, neighbor.node, &relation.partner);
         Some(Witness { id: neighbor.id, relation_holds, relation_probability, found, verdict })
     }

@@ -6,8 +6,14 @@ use crate::SearchConfig;
 
 /// Probability that the true distance lies in the word's bin: a normal distribution around the measured
 /// one. Graphs of words only give 0 or 1.
-pub(crate) fn of_distance(relation: &SpatialRelation, asked: DistanceWord, config: &SearchConfig) -> f64 {
-    let Some(distance_m) = relation.distance_m else { return certainty(relation.distance == Some(asked)) };
+pub(crate) fn of_distance(
+    relation: &SpatialRelation,
+    asked: DistanceWord,
+    config: &SearchConfig,
+) -> f64 {
+    let Some(distance_m) = relation.distance_m else {
+        return certainty(relation.distance == Some(asked));
+    };
     let (low, high) = asked.bounds_m();
     // Nothing is nearer than 0: the first bin keeps the whole lower tail.
     let low = if low == 0.0 { f64::NEG_INFINITY } else { low };
@@ -63,7 +69,8 @@ fn normal_cdf(z: f64) -> f64 {
         return if z > 0.0 { 1.0 } else { 0.0 };
     }
     const P: f64 = 0.327_591_1;
-    const A: [f64; 5] = [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
+    const A: [f64; 5] =
+        [0.254_829_592, -0.284_496_736, 1.421_413_741, -1.453_152_027, 1.061_405_429];
     let x = z.abs() / std::f64::consts::SQRT_2;
     let t = 1.0 / (1.0 + P * x);
     let polynomial = A.iter().rev().fold(0.0, |sum, a| (sum + a) * t);
@@ -98,7 +105,8 @@ mod tests {
     #[test]
     fn words_without_numbers_are_certain() {
         let config = SearchConfig::default();
-        let words = SpatialRelation { distance: Some(DistanceWord::Far), ..SpatialRelation::default() };
+        let words =
+            SpatialRelation { distance: Some(DistanceWord::Far), ..SpatialRelation::default() };
         assert_eq!(of_distance(&words, DistanceWord::Far, &config), 1.0);
         assert_eq!(of_distance(&words, DistanceWord::Close, &config), 0.0);
     }

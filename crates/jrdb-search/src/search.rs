@@ -7,8 +7,8 @@ use jrdb_types::query::Category;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Answer, EntityId, Issue, Node, Query, SceneGraph, Task};
 
-use crate::check::{Judge, Verdict, is_of};
 use crate::SearchConfig;
+use crate::check::{Judge, Verdict, is_of};
 
 /// Answers a query on one frame.
 ///
@@ -73,7 +73,9 @@ fn select(candidates: &[(&Node, Verdict)], policy: MatchPolicy) -> Vec<EntityId>
 fn rank(candidates: &[(&Node, Verdict)], is_ranked: impl Fn(&EntityId) -> bool) -> Vec<Ranked> {
     let mut ranking: Vec<Ranked> = candidates
         .iter()
-        .filter(|(node, verdict)| is_ranked(&node.id) && (verdict.passed() || verdict.probability > 0.0))
+        .filter(|(node, verdict)| {
+            is_ranked(&node.id) && (verdict.passed() || verdict.probability > 0.0)
+        })
         .map(|(node, verdict)| Ranked {
             id: node.id.clone(),
             bbox: node.bbox,

@@ -78,7 +78,11 @@ fn selected(graph: &SceneGraph, query: &Query, policy: MatchPolicy) -> Vec<u32> 
 }
 
 fn young_white_female() -> Vec<Condition> {
-    vec![Condition::Age(Age::Young), Condition::Gender(Gender::Female), Condition::Race(Race::White)]
+    vec![
+        Condition::Age(Age::Young),
+        Condition::Gender(Gender::Female),
+        Condition::Race(Race::White),
+    ]
 }
 
 #[test]
@@ -92,7 +96,11 @@ fn strict_wants_all_majority_wants_more_than_half() {
 
 #[test]
 fn ranked_selects_the_strict_matches_where_there_are_any() {
-    let exact = vec![Condition::Age(Age::Young), Condition::Gender(Gender::Male), Condition::Race(Race::White)];
+    let exact = vec![
+        Condition::Age(Age::Young),
+        Condition::Gender(Gender::Male),
+        Condition::Race(Race::White),
+    ];
     assert_eq!(selected(&three(), &ask(exact), MatchPolicy::Ranked), [1]);
     assert_eq!(selected(&three(), &ask(young_white_female()), MatchPolicy::Ranked), [1, 2, 3]);
 }
@@ -112,7 +120,7 @@ fn the_trace_names_the_witness_and_its_conditions() {
     let answer = search(&three(), &query, &SearchConfig::default());
     let check = &answer.trace[0].checks[0];
     assert_eq!(check.witness, Some(id(3)));
-    assert_eq!(check.found.as_deref(), Some("close (1.00 m), left (+90°)"));
+    assert_eq!(check.found.as_deref(), Some("close, 1.00 m; left, +90°"));
     assert_eq!(check.witness_checks[0].asked, "age elderly");
     assert!(check.holds && !answer.trace[1].checks[0].holds);
     assert_eq!(answer.trace[1].checks[0].witness, None);
@@ -159,14 +167,19 @@ fn scenes() -> impl Strategy<Value = SceneGraph> {
             .map(|(&(a, g, r), n)| person(n, Age::ALL[a], Gender::ALL[g], Race::ALL[r]))
             .collect();
         let sector = |left| if left { Sector::Left } else { Sector::Back };
-        let edges = pairs.into_iter().map(|(from, to, left)| edge(from, to, sector(left))).collect();
+        let edges =
+            pairs.into_iter().map(|(from, to, left)| edge(from, to, sector(left))).collect();
         graph(nodes, edges)
     })
 }
 
 fn queries() -> impl Strategy<Value = Query> {
     let attributes = || {
-        (proptest::option::of(0..5_usize), proptest::option::of(0..2_usize), proptest::option::of(0..3_usize))
+        (
+            proptest::option::of(0..5_usize),
+            proptest::option::of(0..2_usize),
+            proptest::option::of(0..3_usize),
+        )
             .prop_map(|(age, gender, race)| {
                 let age = age.map(|i| Condition::Age(Age::ALL[i]));
                 let gender = gender.map(|i| Condition::Gender(Gender::ALL[i]));

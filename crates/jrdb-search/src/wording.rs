@@ -10,26 +10,27 @@ pub(crate) fn asked(condition: &Condition) -> String {
         Condition::Gender(value) => format!("gender {value}"),
         Condition::Race(value) => format!("race {value}"),
         Condition::Action(value) => format!("action {value}"),
-        Condition::RobotDistance(value) => format!("distance to the robot {value}"),
-        Condition::RobotDirection(value) => format!("direction from the robot {value}"),
+        Condition::RobotDistance(value) => format!("{value} distance from the robot"),
+        Condition::RobotDirection(value) => format!("{value} of the robot"),
         Condition::Relation(relation) => {
-            format!("{} {}", relation_kind(&relation.kind), pattern(&relation.partner))
+            asked_relation(&relation.kind, &pattern(&relation.partner))
         }
     }
 }
 
-fn relation_kind(kind: &RelationKind) -> String {
+fn asked_relation(kind: &RelationKind, partner: &str) -> String {
     match kind {
-        RelationKind::Interaction { label } => format!("{label} with"),
+        RelationKind::Interaction { label } => format!("{label} with {partner}"),
         RelationKind::Spatial { distance, direction, viewpoint } => {
-            let distance = distance.map(|d| format!("{d}")).unwrap_or_default();
-            let comma = if distance.is_empty() || direction.is_none() { "" } else { ", " };
             let place = match (direction, viewpoint) {
-                (None, _) => " to".into(),
-                (Some(direction), Viewpoint::Subject) => format!("on its own {direction} side"),
-                (Some(direction), Viewpoint::Partner) => format!("on the {direction} side of"),
+                (None, _) => format!("has {partner}"),
+                (Some(direction), Viewpoint::Subject) => {
+                    format!("has {partner} to its {direction}")
+                }
+                (Some(direction), Viewpoint::Partner) => format!("{direction} of {partner}"),
             };
-            format!("{distance}{comma}{place}")
+            let distance = distance.map(|distance| format!(" at {distance} distance"));
+            format!("{place}{}", distance.unwrap_or_default())
         }
     }
 }
@@ -42,7 +43,8 @@ pub(crate) fn pattern(pattern: &Pattern) -> String {
         Category::Class(name) => name,
     };
     let words: Vec<String> = pattern.conditions.iter().map(word).collect();
-    let conditions = if words.is_empty() { String::new() } else { format!("{} ", words.join(", ")) };
+    let conditions =
+        if words.is_empty() { String::new() } else { format!("{} ", words.join(", ")) };
     format!("a {conditions}{noun}")
 }
 
@@ -68,13 +70,13 @@ pub(crate) fn belief<T: Ord + Copy + std::fmt::Display>(belief: &Belief<T>) -> O
 /// A distance in words and metres.
 pub(crate) fn distance(relation: &SpatialRelation) -> Option<String> {
     let word = relation.distance?;
-    Some(relation.distance_m.map_or_else(|| word.to_string(), |m| format!("{word} ({m:.2} m)")))
+    Some(relation.distance_m.map_or_else(|| word.to_string(), |m| format!("{word}, {m:.2} m")))
 }
 
 /// A direction in words and degrees, counter-clockwise from the front.
 pub(crate) fn direction(relation: &SpatialRelation) -> Option<String> {
     let word = relation.direction?;
-    let degrees = relation.bearing_rad.map(|b| format!("{word} ({:+.0}°)", b.to_degrees()));
+    let degrees = relation.bearing_rad.map(|b| format!("{word}, {:+.0}°", b.to_degrees()));
     Some(degrees.unwrap_or_else(|| word.to_string()))
 }
 
@@ -82,5 +84,5 @@ pub(crate) fn direction(relation: &SpatialRelation) -> Option<String> {
 pub(crate) fn place(relation: &SpatialRelation) -> Option<String> {
     let parts = [distance(relation), direction(relation)];
     let known: Vec<String> = parts.into_iter().flatten().collect();
-    (!known.is_empty()).then(|| known.join(", "))
+    (!known.is_empty()).then(|| known.join("; "))
 }

@@ -22,9 +22,12 @@ impl ArtefactSchema {
         let mut schema = schema_for!(Artefact<T>);
         schema.insert("title".into(), T::SCHEMA.into());
         // The envelope's two fixed fields, so that a validator refuses another artefact.
-        for (field, value) in [("schema", T::SCHEMA.into()), ("schema_version", T::VERSION.into())] {
+        for (field, value) in [("schema", T::SCHEMA.into()), ("schema_version", T::VERSION.into())]
+        {
             let pointer = format!("/properties/{field}");
-            if let Some(field) = schema.pointer_mut(&pointer).and_then(serde_json::Value::as_object_mut) {
+            if let Some(field) =
+                schema.pointer_mut(&pointer).and_then(serde_json::Value::as_object_mut)
+            {
                 field.insert("const".into(), value);
             }
         }

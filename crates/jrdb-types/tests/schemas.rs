@@ -18,7 +18,11 @@ fn committed_schemas_are_those_of_the_types() {
             std::fs::write(&path, artefact.to_json()).unwrap();
         }
         let committed = std::fs::read_to_string(&path).unwrap_or_default();
-        assert!(committed == artefact.to_json(), "{} differs; read the head of this test", path.display());
+        assert!(
+            committed == artefact.to_json(),
+            "{} differs; read the head of this test",
+            path.display()
+        );
     }
 }
 

@@ -40,9 +40,9 @@ impl SourceArgs {
             (Some(root), Some(name)) => {
                 Ok(vec![Source::Sequence { root: root.clone(), name: name.clone() }])
             }
-            _ if self.scene.is_empty() => {
-                Err(Error::Usage("expected --scene DIR, or --dataset ROOT and --sequence NAME".into()))
-            }
+            _ if self.scene.is_empty() => Err(Error::Usage(
+                "expected --scene DIR, or --dataset ROOT and --sequence NAME".into(),
+            )),
             _ => Ok(self.scene.iter().cloned().map(Source::Scene).collect()),
         }
     }
@@ -225,7 +225,8 @@ impl RunArgs {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let options = args.options()?;
     // Drawn on stderr, and only when that is a terminal.
-    let style = ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}").unwrap_or_else(|_| ProgressStyle::default_spinner());
+    let style = ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}")
+        .unwrap_or_else(|_| ProgressStyle::default_spinner());
     let progress = ProgressBar::new_spinner().with_style(style);
     let result = jrdb_pipeline::run(&options, &|| progress.inc(1))?;
     progress.finish_and_clear();

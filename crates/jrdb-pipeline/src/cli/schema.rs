@@ -20,7 +20,8 @@ pub(crate) fn schema(args: &SchemaArgs) -> Result<ExitCode> {
         return Ok(ExitCode::SUCCESS);
     };
     let found = all.iter().find(|artefact| artefact.name == name);
-    let found = found.ok_or_else(|| Error::Usage(format!("expected one of {names:?}, found {name:?}")))?;
+    let found =
+        found.ok_or_else(|| Error::Usage(format!("expected one of {names:?}, found {name:?}")))?;
     print!("{}", found.to_json());
     Ok(ExitCode::SUCCESS)
 }

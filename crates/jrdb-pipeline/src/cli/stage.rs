@@ -10,9 +10,7 @@ use jrdb_pipeline::output::{read_artefact, write_artefact};
 use jrdb_pipeline::perceive::Perceiver;
 use jrdb_pipeline::source::{FrameSource, Source, list_frames};
 use jrdb_pipeline::{Error, PipelineConfig, report};
-use jrdb_types::{
-    Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph,
-};
+use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
 use super::Format;
@@ -74,7 +72,10 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
 fn only_frame(source: &SourceArgs) -> Result<FrameSource> {
     let mut frames = list_frames(&source.sources()?, source.frames.as_ref())?;
     if frames.len() > 1 {
-        bail!(Error::Usage(format!("expected one frame, found {}: name it with --frames A..B", frames.len())));
+        bail!(Error::Usage(format!(
+            "expected one frame, found {}: name it with --frames A..B",
+            frames.len()
+        )));
     }
     frames.pop().ok_or_else(|| Error::Usage("expected one frame, found none".into()).into())
 }
@@ -103,8 +104,11 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
     let sensors = frames[0].read();
     let projected =
         jrdb_projection::project(&detections, &sensors.clouds, &frames[0].rig, &config.projection);
-    let mut entities = projected.map_err(|source| Error::Projection { frame: id.to_string(), source })?;
-    entities.issues.splice(0..0, sensors.issues.into_iter().filter(|i| !i.message.contains("image_stitched")));
+    let mut entities =
+        projected.map_err(|source| Error::Projection { frame: id.to_string(), source })?;
+    entities
+        .issues
+        .splice(0..0, sensors.issues.into_iter().filter(|i| !i.message.contains("image_stitched")));
     let lines = entities.entities.iter().map(|e| match e.position {
         None => format!("{} nowhere", e.id),
         Some(p) => {
@@ -177,9 +181,10 @@ pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
     };
     let config = jrdb_search::SearchConfig { policy: args.policy.into(), ..Default::default() };
     let answer = jrdb_search::search(&graph, &query, &config);
-    let why = answer.trace.iter().map(|t| {
-        format!("{} {}", if t.selected { "yes" } else { "no " }, report::why(t))
-    });
+    let why = answer
+        .trace
+        .iter()
+        .map(|t| format!("{} {}", if t.selected { "yes" } else { "no " }, report::why(t)));
     let summary = why.collect::<Vec<_>>().join("\n");
     args.output.give(json!(config), &answer, &summary)
 }
@@ -210,10 +215,15 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
         let asked = |q: &&Question| q.frame == answer.frame && q.text == answer.question;
         questions.questions.iter().find(asked)
     };
-    let outcomes: Vec<Outcome<'_>> =
-        answers.iter().filter_map(|answer| Some(Outcome { question: find(answer)?, answer })).collect();
+    let outcomes: Vec<Outcome<'_>> = answers
+        .iter()
+        .filter_map(|answer| Some(Outcome { question: find(answer)?, answer }))
+        .collect();
     if outcomes.len() < answers.len() {
-        eprintln!("note: {} answers are to no question of the file", answers.len() - outcomes.len());
+        eprintln!(
+            "note: {} answers are to no question of the file",
+            answers.len() - outcomes.len()
+        );
     }
     let mut config = PipelineConfig::default();
     args.iou.apply(&mut config);

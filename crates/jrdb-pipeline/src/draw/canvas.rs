@@ -5,7 +5,9 @@ use embedded_graphics::pixelcolor::Rgb888;
 use embedded_graphics::prelude::*;
 use embedded_graphics::text::{Baseline, Text};
 use jrdb_types::Image;
-use tiny_skia::{FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Rect, Stroke, StrokeDash, Transform};
+use tiny_skia::{
+    FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Rect, Stroke, StrokeDash, Transform,
+};
 
 use super::Color;
 
@@ -16,14 +18,21 @@ pub enum Letters {
     Small,
     /// 20 pixels high.
     Large,
+    /// 40 pixels high: readable on a whole panorama.
+    Huge,
 }
 
 impl Letters {
     fn font(self) -> &'static MonoFont<'static> {
         match self {
             Self::Small => &ascii::FONT_7X13_BOLD,
-            Self::Large => &ascii::FONT_10X20,
+            Self::Large | Self::Huge => &ascii::FONT_10X20,
         }
+    }
+
+    /// Side of the square that one pixel of the font becomes.
+    fn scale(self) -> i32 {
+        if self == Self::Huge { 2 } else { 1 }
     }
 }
 
@@ -48,7 +57,9 @@ impl Canvas {
     /// Lays an image with its top-left corner on `(x, y)`.
     pub fn image(&mut self, image: &Image, x: i32, y: i32) {
         let mut other = Self::filled(image.width, image.height, [0; 3]);
-        for (target, source) in other.pixels.data_mut().chunks_exact_mut(4).zip(image.rgb.chunks_exact(3)) {
+        for (target, source) in
+            other.pixels.data_mut().chunks_exact_mut(4).zip(image.rgb.chunks_exact(3))
+        {
             target[..3].copy_from_slice(source);
         }
         let paint = PixmapPaint::default();
@@ -100,14 +111,18 @@ impl Canvas {
 
     /// A circle's outline.
     pub fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: Color, width: f32) {
-        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else { return };
+        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else {
+            return;
+        };
         let stroke = Stroke { width, ..Stroke::default() };
         self.pixels.stroke_path(&path, &paint(color, 1.0), &stroke, Transform::identity(), None);
     }
 
     /// A filled circle.
     pub fn disc(&mut self, [x, y]: [f64; 2], radius: f64, color: Color) {
-        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else { return };
+        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else {
+            return;
+        };
         let paint = paint(color, 1.0);
         self.pixels.fill_path(&path, &paint, FillRule::Winding, Transform::identity(), None);
     }
@@ -125,8 +140,10 @@ impl Canvas {
     /// Text with its top-left corner on `(x, y)`; letters outside ASCII become `?`.
     pub fn text(&mut self, text: &str, [x, y]: [f64; 2], letters: Letters, color: Color) {
         let style = MonoTextStyle::new(letters.font(), Rgb888::new(color[0], color[1], color[2]));
-        let at = Point::new(x as i32, y as i32);
-        let Ok(_) = Text::with_baseline(text, at, style, Baseline::Top).draw(self);
+        let origin = Point::new(x as i32, y as i32);
+        let mut enlarged = Enlarged { canvas: self, origin, scale: letters.scale() };
+        let Ok(_) =
+            Text::with_baseline(text, Point::zero(), style, Baseline::Top).draw(&mut enlarged);
     }
 
     /// Text on a patch of colour.
@@ -140,17 +157,24 @@ impl Canvas {
 /// Width and height of a text, pixels.
 #[must_use]
 pub(super) fn text_size(text: &str, letters: Letters) -> [f64; 2] {
-    let size = letters.font().character_size;
+    let size = letters.font().character_size * letters.scale().unsigned_abs();
     [text.chars().count() as f64 * f64::from(size.width), f64::from(size.height)]
 }
 
-impl OriginDimensions for Canvas {
+/// A canvas on which every pixel drawn is a square.
+struct Enlarged<'a> {
+    canvas: &'a mut Canvas,
+    origin: Point,
+    scale: i32,
+}
+
+impl OriginDimensions for Enlarged<'_> {
     fn size(&self) -> Size {
-        Size::new(self.pixels.width(), self.pixels.height())
+        Size::new(self.canvas.pixels.width(), self.canvas.pixels.height())
     }
 }
 
-impl DrawTarget for Canvas {
+impl DrawTarget for Enlarged<'_> {
     type Color = Rgb888;
     type Error = std::convert::Infallible;
 
@@ -159,7 +183,11 @@ impl DrawTarget for Canvas {
         I: IntoIterator<Item = Pixel<Rgb888>>,
     {
         for Pixel(at, color) in pixels {
-            self.dot([f64::from(at.x), f64::from(at.y)], [color.r(), color.g(), color.b()]);
+            let corner = self.origin + at * self.scale;
+            for (dx, dy) in (0..self.scale).flat_map(|dy| (0..self.scale).map(move |dx| (dx, dy))) {
+                let pixel = [corner.x + dx, corner.y + dy].map(f64::from);
+                self.canvas.dot(pixel, [color.r(), color.g(), color.b()]);
+            }
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use crate::frame::{Asked, FrameInput, FrameOutput};
 use crate::report::short;
 
 /// Height of the strip that holds question and answer, pixels.
-const STRIP_PX: usize = 56;
+const STRIP_PX: usize = 104;
 
 /// The panorama below a strip with question and answer: every box with its id and distance, the
 /// selected ones green, their partners orange. A box across the seam is drawn as its two parts.
@@ -37,18 +37,19 @@ pub fn draw_panorama(input: &FrameInput, output: &FrameOutput, asked: Option<&As
 }
 
 fn strip(canvas: &mut Canvas, asked: &Asked) {
-    canvas.text(&asked.question.text, [12.0, 6.0], Letters::Large, WHITE);
+    canvas.text(&asked.question.text, [16.0, 8.0], Letters::Huge, WHITE);
     let answer = &asked.answer;
     let count = answer.count.map(|count| format!("{count}: ")).unwrap_or_default();
     let names: Vec<String> = answer.selection.iter().map(short).collect();
     let names = if names.is_empty() { "nobody".into() } else { names.join(" ") };
     let words = format!("answer: {count}{names}");
-    canvas.text(&words, [12.0, 30.0], Letters::Large, super::ANSWER);
-    let partners: Vec<String> =
-        witnesses(answer).map(|(of, partner)| format!("{} with {}", short(of), short(partner))).collect();
+    canvas.text(&words, [16.0, 54.0], Letters::Huge, super::ANSWER);
+    let partners: Vec<String> = witnesses(answer)
+        .map(|(of, partner)| format!("{} with {}", short(of), short(partner)))
+        .collect();
     if !partners.is_empty() {
-        let at = [12.0 + text_size(&words, Letters::Large)[0] + 30.0, 30.0];
-        canvas.text(&partners.join(", "), at, Letters::Large, super::WITNESS);
+        let at = [16.0 + text_size(&words, Letters::Huge)[0] + 40.0, 54.0];
+        canvas.text(&partners.join(", "), at, Letters::Huge, super::WITNESS);
     }
 }
 
@@ -69,13 +70,17 @@ fn draw_box(canvas: &mut Canvas, entity: &Entity, role: Role, width: f64) {
         let y = y + STRIP_PX as f64;
         // Outlines stay inside the box, so that neighbours can be told apart.
         let inset = f64::from(stroke) / 2.0;
-        canvas.rect([x + inset, y + inset, (w - 2.0 * inset).max(0.0), (h - 2.0 * inset).max(0.0)], color, stroke);
+        canvas.rect(
+            [x + inset, y + inset, (w - 2.0 * inset).max(0.0), (h - 2.0 * inset).max(0.0)],
+            color,
+            stroke,
+        );
         label(canvas, &text, [x, y], color, role);
     }
 }
 
 fn label(canvas: &mut Canvas, text: &str, [x, y]: [f64; 2], color: Color, role: Role) {
-    let letters = if role == Role::Other { Letters::Small } else { Letters::Large };
+    let letters = if role == Role::Other { Letters::Large } else { Letters::Huge };
     let above = y - text_size(text, letters)[1] - 2.0;
     canvas.label(text, [x, above.max(STRIP_PX as f64)], letters, [BLACK, color]);
 }

@@ -1,7 +1,7 @@
 //! The scene from above: robot, people with their headings, range rings, relations of the answer.
 
 use jrdb_projection::BaseCloud;
-use jrdb_types::{Answer, DistanceWord, EntityId, Entity, Image};
+use jrdb_types::{Answer, DistanceWord, Entity, EntityId, Image};
 
 use super::canvas::{Letters, text_size};
 use super::{ANSWER, BLACK, Canvas, Role, WHITE, WITNESS, witnesses};

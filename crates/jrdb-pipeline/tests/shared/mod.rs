@@ -6,7 +6,8 @@ use std::path::PathBuf;
 /// A file or folder of the shared data, or `None` (said aloud) where there is none.
 pub(crate) fn shared(path: &str) -> Option<PathBuf> {
     let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
-    let root = std::env::var_os("JRDB_SHARED").map_or_else(|| PathBuf::from(default), PathBuf::from);
+    let root =
+        std::env::var_os("JRDB_SHARED").map_or_else(|| PathBuf::from(default), PathBuf::from);
     let path = root.join(path);
     if !path.exists() {
         println!("skipped: no shared data");
@@ -21,6 +22,8 @@ pub(crate) fn table(path: &str) -> Option<Vec<BTreeMap<String, String>>> {
     let text = std::fs::read_to_string(shared(path)?).unwrap();
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
-    let row = |line: &str| names.iter().map(|n| n.to_string()).zip(line.split(',').map(String::from)).collect();
+    let row = |line: &str| {
+        names.iter().map(|n| n.to_string()).zip(line.split(',').map(String::from)).collect()
+    };
     Some(lines.map(row).collect())
 }

@@ -42,7 +42,8 @@ pub fn check_round_trip(camera: &dyn CameraModel, [u, v]: [f64; 2], tolerance_px
     for depth_m in [0.5, 5.0, 80.0] {
         let ray = camera.ray_from_pixel(u, v).expect("the model has a ray for this pixel");
         let point = camera.center() + ray.into_inner() * depth_m;
-        let back = camera.pixel_from_base(&point).expect("the model sees the points of its own rays");
+        let back =
+            camera.pixel_from_base(&point).expect("the model sees the points of its own rays");
         let mut du = (back.u - u).abs();
         if let Some(period) = camera.image().period_px() {
             du = du.min(period - du);

@@ -28,8 +28,11 @@ pub fn densest_range(
     config: &ProjectionConfig,
 ) -> Option<Located> {
     let width = f64::from(camera.width_px);
-    let core: Vec<usize> =
-        inside.iter().copied().filter(|&i| in_core(bbox, cloud.u[i], cloud.v[i], width, config)).collect();
+    let core: Vec<usize> = inside
+        .iter()
+        .copied()
+        .filter(|&i| in_core(bbox, cloud.u[i], cloud.v[i], width, config))
+        .collect();
     let candidates = if core.is_empty() { inside.to_vec() } else { core };
     let range = |i: usize| cloud.points[i].x.hypot(cloud.points[i].y);
     let candidates = match is_person {
@@ -61,7 +64,11 @@ fn in_core(bbox: &PixelBox, u: f64, v: f64, width: f64, config: &ProjectionConfi
 }
 
 /// Nearest and farthest range of the visible surface at which `bbox` may be a whole person.
-fn plausible_ranges(bbox: &PixelBox, camera: &CylindricalPanorama, config: &ProjectionConfig) -> [f64; 2] {
+fn plausible_ranges(
+    bbox: &PixelBox,
+    camera: &CylindricalPanorama,
+    config: &ProjectionConfig,
+) -> [f64; 2] {
     let cut_off = bbox.y < EDGE_PX || bbox.y + bbox.h > f64::from(camera.height_px) - EDGE_PX;
     let [low, high] = config.person_height_m.map(|height_m| camera.focal_px * height_m / bbox.h);
     // Of a cut-off person only a part is in the box, and a part may be as near as it likes.
@@ -69,12 +76,21 @@ fn plausible_ranges(bbox: &PixelBox, camera: &CylindricalPanorama, config: &Proj
     [if cut_off { 0.0 } else { low - slack }, high + slack]
 }
 
-fn keep_plausible(all: Vec<usize>, range: impl Fn(usize) -> f64, [near, far]: [f64; 2]) -> Vec<usize> {
-    let kept: Vec<usize> = all.iter().copied().filter(|&i| (near..=far).contains(&range(i))).collect();
+fn keep_plausible(
+    all: Vec<usize>,
+    range: impl Fn(usize) -> f64,
+    [near, far]: [f64; 2],
+) -> Vec<usize> {
+    let kept: Vec<usize> =
+        all.iter().copied().filter(|&i| (near..=far).contains(&range(i))).collect();
     if kept.is_empty() { all } else { kept }
 }
 
-fn densest_window(mut candidates: Vec<usize>, range: impl Fn(usize) -> f64, bin_m: f64) -> Option<Vec<usize>> {
+fn densest_window(
+    mut candidates: Vec<usize>,
+    range: impl Fn(usize) -> f64,
+    bin_m: f64,
+) -> Option<Vec<usize>> {
     candidates.sort_by(|&a, &b| range(a).total_cmp(&range(b)).then(a.cmp(&b)));
     let mut best = 0..0;
     let mut end = 0;
@@ -96,7 +112,11 @@ fn median_point(used: &[usize], points: &[Point3<f64>]) -> Point3<f64> {
         let mut values: Vec<f64> = used.iter().map(|&i| points[i][axis]).collect();
         values.sort_by(f64::total_cmp);
         let middle = values.len() / 2;
-        if values.len() % 2 == 1 { values[middle] } else { f64::midpoint(values[middle - 1], values[middle]) }
+        if values.len() % 2 == 1 {
+            values[middle]
+        } else {
+            f64::midpoint(values[middle - 1], values[middle])
+        }
     };
     Point3::new(median(0), median(1), median(2))
 }
@@ -104,8 +124,8 @@ fn median_point(used: &[usize], points: &[Point3<f64>]) -> Point3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::select::points_in_boxes;
     use crate::CameraModel;
+    use crate::select::points_in_boxes;
 
     const CAMERA: CylindricalPanorama =
         CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
@@ -113,7 +133,11 @@ mod tests {
     fn cloud(points: &[[f64; 3]]) -> BaseCloud {
         let points: Vec<Point3<f64>> = points.iter().map(|&p| Point3::from(p)).collect();
         let pixels: Vec<_> = points.iter().map(|p| CAMERA.pixel_from_base(p).unwrap()).collect();
-        BaseCloud { points, u: pixels.iter().map(|p| p.u).collect(), v: pixels.iter().map(|p| p.v).collect() }
+        BaseCloud {
+            points,
+            u: pixels.iter().map(|p| p.u).collect(),
+            v: pixels.iter().map(|p| p.v).collect(),
+        }
     }
 
     fn locate(points: &[[f64; 3]], bbox: [f64; 4]) -> Option<Point3<f64>> {

@@ -82,7 +82,13 @@ mod tests {
     #[test]
     fn shared_bounds_belong_to_the_benchmark_s_sector() {
         let exact = |degrees: f64| sector_of_degrees(degrees).word();
-        assert_eq!([exact(30.0), exact(45.0), exact(135.0), exact(145.0)], ["front", "front left", "left", "back left"]);
-        assert_eq!([exact(-30.0), exact(-45.0), exact(-135.0), exact(-145.0)], ["front", "right", "back right", "back"]);
+        assert_eq!(
+            [exact(30.0), exact(45.0), exact(135.0), exact(145.0)],
+            ["front", "front left", "left", "back left"]
+        );
+        assert_eq!(
+            [exact(-30.0), exact(-45.0), exact(-135.0), exact(-145.0)],
+            ["front", "right", "back right", "back"]
+        );
     }
 }

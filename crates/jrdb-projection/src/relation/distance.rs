@@ -25,8 +25,16 @@ mod tests {
         let words: Vec<_> = [0.0, 0.5, 0.500_001, 1.5, 5.0, 10.0, 10.1, f64::INFINITY]
             .map(|d| word(d).unwrap().word())
             .to_vec();
-        let expected =
-            ["very close", "very close", "close", "close", "moderate", "far", "very far", "very far"];
+        let expected = [
+            "very close",
+            "very close",
+            "close",
+            "close",
+            "moderate",
+            "far",
+            "very far",
+            "very far",
+        ];
         assert_eq!(words, expected);
         assert_eq!(word(f64::NAN), None);
     }

@@ -1,0 +1,324 @@
+//! The `jrdb` command from the outside: what it prints, its exit codes, and what bad input does.
+#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+
+mod tree;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use tempfile::TempDir;
+
+struct Ran {
+    code: i32,
+    out: String,
+    err: String,
+}
+
+fn jrdb(arguments: &[&str]) -> Ran {
+    let output: Output = Command::new(env!("CARGO_BIN_EXE_jrdb")).args(arguments).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Ran { code: output.status.code().unwrap(), out: text(output.stdout), err: text(output.stderr) }
+}
+
+/// A dataset of its own for one test.
+struct Scene {
+    folder: TempDir,
+}
+
+impl Scene {
+    fn new() -> Self {
+        let folder = TempDir::new().unwrap();
+        tree::write(folder.path());
+        Self { folder }
+    }
+
+    fn path(&self, inside: &str) -> PathBuf {
+        self.folder.path().join(inside)
+    }
+
+    /// The file's path below the dataset's root, with what `change` makes of its bytes.
+    fn change(&self, inside: &str, change: impl Fn(Vec<u8>) -> Vec<u8>) {
+        let path = self.path(inside);
+        std::fs::write(&path, change(std::fs::read(&path).unwrap())).unwrap();
+    }
+
+    fn root(&self) -> &str {
+        self.folder.path().to_str().unwrap()
+    }
+
+    fn ask(&self, query: &str) -> Ran {
+        jrdb(&["run", "--scene", self.root(), "--query", query])
+    }
+}
+
+const UPPER: &str = "pointclouds/upper_velodyne/two-people/000000.pcd";
+const LOWER: &str = "pointclouds/lower_velodyne/two-people/000000.pcd";
+const IMAGE: &str = "images/image_stitched/two-people/000000.png";
+const LABELS: &str = "labels/labels_2d_stitched/two-people.json";
+
+fn cut(bytes: Vec<u8>) -> Vec<u8> {
+    bytes[..bytes.len() * 2 / 3].to_vec()
+}
+
+#[track_caller]
+fn contains(text: &str, words: &[&str]) {
+    for word in words {
+        assert!(text.contains(word), "{word:?} is not in:\n{text}");
+    }
+}
+
+#[test]
+fn a_question_is_answered_with_its_reason() {
+    let ran = Scene::new().ask("Who is to my left?");
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let ran = Scene::new().ask("Find the female at moderate distance left relative to me");
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    contains(&ran.out, &["answer  #2", "gender female", "left of the robot (left, +90°)"]);
+}
+
+#[test]
+fn json_is_all_that_is_on_standard_output() {
+    let scene = Scene::new();
+    let ran =
+        jrdb(&["run", "--scene", scene.root(), "--query", "Find all persons", "--format", "json"]);
+    let document: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(document["answers"].as_array().unwrap().len(), 2);
+    assert_eq!(document["answers"][0]["schema"], "jrdb.answer");
+    assert!(!ran.out.contains(scene.root()), "no host paths in artefacts");
+}
+
+#[test]
+fn the_stages_one_by_one_give_what_the_run_gives() {
+    let scene = Scene::new();
+    let out = scene.path("run");
+    let query = "Find the male";
+    let frames = ["--frames", "0..1"];
+    let run = ["run", "--scene", scene.root(), "--query", query, "--artifacts", "--out"];
+    assert_eq!(jrdb(&[&run[..], &[out.to_str().unwrap()], &frames].concat()).code, 0);
+    let file = |name: &str| scene.path(name).to_str().unwrap().to_string();
+    let [detections, entities, graph, question, answer] =
+        ["d.json", "e.json", "g.json", "q.json", "a.json"].map(file);
+    let steps: [&[&str]; 5] = [
+        &["perceive", "--scene", scene.root(), "--frames", "0..1", "--out", &detections],
+        &["project", "--dataset", scene.root(), "--detections", &detections, "--out", &entities],
+        &["graph", "--entities", &entities, "--out", &graph],
+        &["parse", query, "--out", &question],
+        &["search", "--graph", &graph, "--query", &question, "--out", &answer],
+    ];
+    for step in steps {
+        let ran = jrdb(step);
+        assert_eq!(ran.code, 0, "{step:?}: {}", ran.err);
+    }
+    let names =
+        ["detections.json", "entities.json", "scene_graph.json", "query.json", "answer.json"];
+    for (name, alone) in names.iter().zip([&detections, &entities, &graph, &question, &answer]) {
+        let together = std::fs::read_to_string(out.join(name)).unwrap();
+        assert_eq!(std::fs::read_to_string(alone).unwrap(), together, "{name}");
+    }
+}
+
+#[test]
+fn a_broken_cloud_is_named_and_the_other_one_goes_on() {
+    let scene = Scene::new();
+    scene.change(UPPER, cut);
+    let ran = scene.ask("Find the female");
+    assert_eq!(ran.code, 0);
+    contains(&ran.out, &["note: ", UPPER, "expected", "2 of them placed", "answer  #2"]);
+    assert!(
+        !ran.out.contains(scene.root()),
+        "paths are told from the dataset's root:\n{}",
+        ran.out
+    );
+}
+
+#[test]
+fn a_cloud_that_claims_four_billion_points_is_refused() {
+    let scene = Scene::new();
+    scene.change(LOWER, |bytes| {
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        let header = text.split("DATA").next().unwrap().replace("\nPOINTS ", "\nPOINTS 4000000");
+        [header.as_bytes(), b"DATA binary\n"].concat()
+    });
+    let ran = scene.ask("Find the female");
+    assert_eq!(ran.code, 0);
+    contains(&ran.out, &[LOWER, "answer  #2"]);
+}
+
+#[test]
+fn people_without_points_are_reported_and_kept() {
+    let scene = Scene::new();
+    std::fs::remove_file(scene.path(UPPER)).unwrap();
+    std::fs::remove_file(scene.path(LOWER)).unwrap();
+    let ran = scene.ask("Find the female");
+    assert_eq!(ran.code, 0);
+    contains(&ran.out, &["#1 #2: no lidar point in the box", "0 of them placed", "answer  #2"]);
+}
+
+#[test]
+fn a_broken_picture_does_not_stop_the_labels() {
+    for break_it in [cut, |_| b"not a picture".to_vec(), |_| Vec::new()] {
+        let scene = Scene::new();
+        scene.change(IMAGE, break_it);
+        let out = scene.path("out");
+        let ran = jrdb(&[
+            "run",
+            "--scene",
+            scene.root(),
+            "--query",
+            "Find the male",
+            "--out",
+            out.to_str().unwrap(),
+        ]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        contains(&ran.out, &[IMAGE, "answer  #1"]);
+        assert!(out.join("000000/panorama.png").exists());
+    }
+}
+
+#[test]
+fn broken_labels_fail_their_frames_and_say_where() {
+    for (text, expected) in
+        [("{\"labels\": {", "two-people.json"), ("[]", "labels"), ("\u{1}", "two-people.json")]
+    {
+        let scene = Scene::new();
+        scene.change(LABELS, |_| text.as_bytes().to_vec());
+        let ran = scene.ask("Find the male");
+        assert_eq!(ran.code, 1, "{}", ran.out);
+        contains(&ran.err, &["two-people/000000", expected]);
+    }
+}
+
+#[test]
+fn one_label_that_is_no_label_costs_only_itself_and_its_box_is_taken_from_the_other_file() {
+    let scene = Scene::new();
+    scene.change(LABELS, |bytes| {
+        String::from_utf8(bytes).unwrap().replacen("\"pedestrian:1\"", "\"nobody\"", 1).into_bytes()
+    });
+    let ran = scene.ask("Find all persons");
+    assert_eq!(ran.code, 0);
+    contains(
+        &ran.out,
+        &["note: labels_2d_stitched: expected an id", "\"nobody\"", "answer  #1 #2"],
+    );
+}
+
+#[test]
+fn a_broken_calibration_is_bad_input() {
+    for (file, text) in [
+        ("calibration/defaults.yaml", "calibrated: ["),
+        ("calibration/defaults.yaml", "image: {width: 400, height: 60}"),
+        ("calibration/cameras.yaml", "cameras: {}"),
+    ] {
+        let scene = Scene::new();
+        scene.change(file, |_| text.as_bytes().to_vec());
+        let ran = scene.ask("Find the male");
+        assert_eq!(ran.code, 2, "{file}: {}", ran.out);
+        contains(&ran.err, &["error: ", file]);
+    }
+}
+
+#[test]
+fn bad_usage_is_told_apart_from_failed_work() {
+    let scene = Scene::new();
+    let missing = scene.path("nowhere").to_str().unwrap().to_string();
+    let cases: [(&[&str], &str); 9] = [
+        (&["run"], "expected --scene DIR"),
+        (&["run", "--scene", &missing], "nowhere"),
+        (&["run", "--scene", scene.root(), "--frames", "3..3"], "expected A..B with A < B"),
+        (&["run", "--scene", scene.root(), "--frames", "7..9"], "expected frames 7..9"),
+        (
+            &["run", "--scene", scene.root(), "--perception", "eyes"],
+            "expected labels, file:PATH or ssdlite",
+        ),
+        (
+            &["run", "--scene", scene.root(), "--perception", "ssdlite", "--models", &missing],
+            "ssdlite-mbv2",
+        ),
+        (&["run", "--scene", scene.root(), "--perception", "file:no.json"], "no.json"),
+        (&["run", "--scene", scene.root(), "--questions", "no.json"], "no.json"),
+        (&["graph", "--entities", "no.json"], "no.json"),
+    ];
+    for (arguments, expected) in cases {
+        let ran = jrdb(arguments);
+        assert_eq!(ran.code, 2, "{arguments:?}: {}", ran.out);
+        contains(&ran.err, &[expected]);
+    }
+}
+
+#[test]
+fn a_model_that_is_no_model_is_named() {
+    let scene = Scene::new();
+    let models = scene.path("models");
+    std::fs::create_dir(&models).unwrap();
+    std::fs::write(models.join("ssdlite-mbv2-300-person.f16.onnx"), b"no model").unwrap();
+    let models = models.to_str().unwrap();
+    let ran = jrdb(&[
+        "run",
+        "--scene",
+        scene.root(),
+        "--perception",
+        "ssdlite",
+        "--engine",
+        "rten",
+        "--models",
+        models,
+    ]);
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["ssdlite-mbv2-300-person.f16.onnx"]);
+}
+
+#[test]
+fn the_wrong_artefact_is_refused_by_name() {
+    let scene = Scene::new();
+    let query = scene.path("q.json");
+    jrdb(&["parse", "Find the male", "--out", query.to_str().unwrap()]);
+    let ran = jrdb(&["graph", "--entities", query.to_str().unwrap()]);
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &[r#"expected a "jrdb.entities" artefact, found "jrdb.query""#]);
+}
+
+#[test]
+fn unknown_words_are_underlined() {
+    let ran = Scene::new().ask("Find the femlae persons");
+    assert_eq!(ran.code, 0);
+    contains(&ran.out, &["           ^^^^^^", r#"did you mean "female"?"#]);
+}
+
+#[test]
+fn detections_of_other_programs_are_read() {
+    let scene = Scene::new();
+    let results = scene.path("results.json");
+    let text = r#"[{"image_id": 0, "category_id": 1, "bbox": [194, 10, 12, 31], "score": 0.9}]"#;
+    std::fs::write(&results, text).unwrap();
+    let perception = format!("file:{}", results.display());
+    let ran = jrdb(&[
+        "run",
+        "--scene",
+        scene.root(),
+        "--perception",
+        &perception,
+        "--query",
+        "Find the person in front of me",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &["answer  #1", "the file has nothing for two-people/000001"]);
+}
+
+#[test]
+fn an_output_folder_that_cannot_be_made_is_failed_work() {
+    let scene = Scene::new();
+    let file = scene.path("file");
+    std::fs::write(&file, b"").unwrap();
+    let out: &Path = &file.join("out");
+    let ran = jrdb(&[
+        "run",
+        "--scene",
+        scene.root(),
+        "--query",
+        "Find the male",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_eq!(ran.code, 1, "{}", ran.out);
+    contains(&ran.err, &["cannot write"]);
+}

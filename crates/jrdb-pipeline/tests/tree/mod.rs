@@ -1,0 +1,74 @@
+//! A small dataset in JRDB's form, to be broken: two people 3 m ahead and 3 m to the left.
+
+use std::path::Path;
+
+use jrdb_dataset::{LabelledFrame, TreeWriter};
+use jrdb_types::rig::{CylindricalPanorama, LidarMount, Rig};
+use jrdb_types::*;
+
+pub(crate) const SEQUENCE: &str = "two-people";
+
+fn rig() -> Rig {
+    let panorama =
+        CylindricalPanorama { width_px: 400, height_px: 60, focal_px: 51.5, horizon_px: 26.0 };
+    let lidar = |name: &str, z: f64, yaw_rad| LidarMount {
+        name: name.into(),
+        offset_m: [0.0, 0.0, z],
+        yaw_rad,
+    };
+    Rig {
+        panorama,
+        lidars: vec![lidar("upper_velodyne", -0.25, 0.0), lidar("lower_velodyne", 0.25, 0.0)],
+    }
+}
+
+/// A person at `(x, y)`, 1.8 m tall from 0.9 m below the sensors, who looks at the robot.
+fn person(number: u32, [x, y]: [f64; 2], gender: Gender, bbox: [f64; 4]) -> Detection {
+    let heading_rad = (-y).atan2(-x);
+    Detection {
+        id: EntityId::new("pedestrian", number),
+        category: "person".into(),
+        score: 1.0,
+        bbox: PixelBox::from(bbox),
+        attributes: Attributes { gender: Belief::certain(gender), ..Attributes::default() },
+        interactions: Vec::new(),
+        occlusion: None,
+        heading_rad: Some(heading_rad),
+        box3d: Some(Box3d { center: [x, y, 0.0], size: [0.5, 0.5, 1.8], heading_rad }),
+    }
+}
+
+fn cloud(sensor: &str, z: f64) -> PointCloud {
+    let grid =
+        (-5..=5).flat_map(|i| (-3..=3).map(move |j| (0.03 * f64::from(i), 0.1 * f64::from(j) + z)));
+    let ahead = grid.clone().map(|(side, z)| (2.9, side, z));
+    let left = grid.map(|(side, z)| (side, 2.9, z));
+    let mut cloud = PointCloud { sensor: sensor.into(), ..PointCloud::default() };
+    for (x, y, z) in ahead.chain(left) {
+        cloud.x.push(x);
+        cloud.y.push(y);
+        cloud.z.push(z);
+    }
+    cloud
+}
+
+/// Writes the dataset with frames 0 and 1.
+pub(crate) fn write(root: &Path) {
+    let (writer, rig) = (TreeWriter::new(root), rig());
+    writer.rig(&rig).unwrap();
+    let mut frames = Vec::new();
+    for frame in 0..2 {
+        let id = FrameId { sequence: SEQUENCE.into(), frame };
+        writer.image(&id, &Image::filled(400, 60, [90, 90, 90])).unwrap();
+        writer.cloud(&id, &cloud("upper_velodyne", -0.25)).unwrap();
+        writer.cloud(&id, &cloud("lower_velodyne", 0.25)).unwrap();
+        let people = vec![
+            person(1, [3.0, 0.0], Gender::Male, [194.0, 10.0, 12.0, 31.0]),
+            person(2, [0.0, 3.0], Gender::Female, [94.0, 10.0, 12.0, 31.0]),
+        ];
+        let image = rig.panorama.image();
+        let detections = Detections { frame: id, image, detections: people, issues: Vec::new() };
+        frames.push(LabelledFrame { detections, num_points: Default::default() });
+    }
+    writer.labels(SEQUENCE, &frames).unwrap();
+}
