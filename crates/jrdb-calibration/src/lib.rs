@@ -1,1 +1,16 @@
 #![doc = include_str!("../README.md")]
+
+mod compare;
+mod config;
+mod error;
+mod floor;
+mod plane;
+#[cfg(test)]
+mod scene;
+mod vote;
+
+pub use compare::{FloorAgreement, FloorDifference, SensorFloor, compare_floors};
+pub use config::FloorConfig;
+pub use error::Error;
+pub use floor::{Floor, fit_floor};
+pub use nalgebra;

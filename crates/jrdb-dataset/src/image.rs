@@ -138,18 +138,30 @@ fn check_size(width: usize, height: usize, bytes: usize) -> Result<(), ImageErro
     if pixels > limit { Err(ImageError::TooLarge { limit, width, height }) } else { Ok(()) }
 }
 
+/// What a PNG file is made for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PngCompression {
+    /// Quickly: a tenth larger, five times as fast, on a photographed panorama.
+    Quick,
+    /// To be kept: small.
+    Small,
+}
+
 /// The picture as an 8-bit RGB PNG; equal pictures give equal bytes.
 ///
 /// # Panics
 /// When a side is 0 or over 2³¹ - 1, or `rgb` does not hold 3 bytes for each pixel.
 #[must_use]
-pub fn encode_png(image: &Image) -> Vec<u8> {
+pub fn encode_png(image: &Image, compression: PngCompression) -> Vec<u8> {
     let side = |pixels: usize| u32::try_from(pixels).expect("a side fits into 31 bits");
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, side(image.width), side(image.height));
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_compression(png::Compression::Balanced);
+    encoder.set_compression(match compression {
+        PngCompression::Quick => png::Compression::Fast,
+        PngCompression::Small => png::Compression::Balanced,
+    });
     let mut writer = encoder.write_header().expect("the sides are not 0");
     writer.write_image_data(&image.rgb).expect("3 bytes for each pixel");
     writer.finish().expect("writing to memory does not fail");
@@ -229,9 +241,9 @@ mod tests {
     #[test]
     fn pictures_survive_the_round_trip_with_equal_bytes() {
         let image = decode_image(GRADIENT).unwrap();
-        let bytes = encode_png(&image);
+        let bytes = encode_png(&image, PngCompression::Quick);
         assert_eq!(decode_image(&bytes).unwrap(), image);
-        assert_eq!(encode_png(&image), bytes);
+        assert_eq!(encode_png(&image, PngCompression::Quick), bytes);
     }
 
     #[test]
@@ -258,7 +270,7 @@ mod tests {
 
     #[test]
     fn a_picture_that_breaks_off_is_malformed() {
-        let png = encode_png(&decode_image(GRADIENT).unwrap());
+        let png = encode_png(&decode_image(GRADIENT).unwrap(), PngCompression::Small);
         for whole in [&png[..], GRADIENT] {
             let half = &whole[..whole.len() / 2];
             assert!(matches!(decode_image(half), Err(ImageError::Malformed { .. })));
@@ -271,7 +283,7 @@ mod tests {
             which in 0..4_usize,
             changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..8),
         ) {
-            let png = encode_png(&decode_image(GREY).unwrap());
+            let png = encode_png(&decode_image(GREY).unwrap(), PngCompression::Small);
             let mut bytes = [GRADIENT, PROGRESSIVE, GREY, &png][which].to_vec();
             for (at, value) in changes {
                 let at = at.index(bytes.len());

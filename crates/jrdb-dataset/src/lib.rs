@@ -17,7 +17,7 @@ mod writer;
 
 pub use detections::read_detections;
 pub use error::Error;
-pub use image::{ImageError, decode_image, encode_png, read_image};
+pub use image::{ImageError, PngCompression, decode_image, encode_png, read_image};
 pub use labels::SequenceLabels;
 pub use pcd::{PcdError, read_pcd};
 pub use questions::{read_questions, write_questions};

@@ -16,8 +16,8 @@ use jrdb_types::query::{Category, RelationKind, RelationPattern, Viewpoint};
 use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Condition, Direction, DistanceWord, Issue, Pattern, Query, Span, Task};
 
+use crate::cursor::{Parser, action, attribute, interaction, noun, task};
 use crate::lexicon::{Sense, Word};
-use crate::suggest::suggest;
 use crate::token::{Kind, Token, tokenize};
 
 /// How deep "left of a man who is left of a man who …" may go; deeper clauses are not understood.
@@ -50,12 +50,6 @@ pub fn parse(text: &str) -> Query {
     query
 }
 
-struct Parser {
-    tokens: Vec<Token>,
-    at: usize,
-    issues: Vec<Issue>,
-}
-
 /// Where something is said to be.
 #[derive(Default)]
 struct Place {
@@ -63,6 +57,7 @@ struct Place {
     sector: Option<Sector>,
     elevation: Option<Elevation>,
     anchor: Anchor,
+    /// Where the sector stands.
     span: Option<Span>,
 }
 
@@ -95,45 +90,6 @@ impl Place {
 }
 
 impl Parser {
-    fn peek(&self) -> Option<&Token> {
-        self.tokens.get(self.at)
-    }
-
-    fn is(&self, word: Word) -> bool {
-        self.peek().is_some_and(|token| token.is_word(word))
-    }
-
-    fn is_comma(&self) -> bool {
-        self.peek().is_some_and(|token| token.kind == Kind::Comma)
-    }
-
-    /// The first sense of the token at hand that `pick` takes.
-    fn sense<T>(&self, pick: impl Fn(&'static Sense) -> Option<T>) -> Option<T> {
-        self.peek()?.senses().iter().find_map(pick)
-    }
-
-    /// Steps over the token at hand when one of its senses is picked.
-    fn take<T>(&mut self, pick: impl Fn(&'static Sense) -> Option<T>) -> Option<T> {
-        let found = self.sense(pick);
-        self.at += usize::from(found.is_some());
-        found
-    }
-
-    fn skip(&mut self, words: &[Word]) {
-        while words.iter().any(|word| self.is(*word)) {
-            self.at += 1;
-        }
-    }
-
-    /// Whether `look` finds what it wants at hand, behind any of `words`; stays where it is.
-    fn follows<T>(&mut self, words: &[Word], look: impl Fn(&mut Self) -> Option<T>) -> bool {
-        let start = self.at;
-        self.skip(words);
-        let found = look(self).is_some();
-        self.at = start;
-        found
-    }
-
     fn task(&mut self) -> Task {
         self.skip(&[Word::Filler, Word::Who, Word::Is]);
         let asked = self.take(task);
@@ -280,7 +236,6 @@ impl Parser {
 
     fn place(&mut self, depth: usize) -> Place {
         let mut place = Place::default();
-        let start = self.at;
         loop {
             let before = self.at;
             self.place_word(&mut place, depth);
@@ -288,8 +243,6 @@ impl Parser {
                 break;
             }
         }
-        let spans = self.tokens[start..self.at].iter().map(|t| t.span);
-        place.span = spans.reduce(|a, b| Span { start: a.start, end: b.end });
         place
     }
 
@@ -327,6 +280,8 @@ impl Parser {
         place.elevation = elevation.or(place.elevation);
         place.distance = distance.or(place.distance);
         place.sector = sector.or(place.sector);
+        place.span =
+            self.peek().filter(|_| sector.is_some()).map(|token| token.span).or(place.span);
         self.at += usize::from(found);
         found
     }
@@ -352,7 +307,7 @@ impl Parser {
             return;
         }
         let mut partner = Pattern::default();
-        if !self.thing(&mut partner) {
+        if !self.thing(&mut partner) && !self.unknown_thing() {
             return;
         }
         if self.sense(action).is_some() {
@@ -364,6 +319,19 @@ impl Parser {
         place.anchor = Anchor::Thing(partner);
     }
 
+    /// Steps over "a zebra" with an issue: something that we do not know, but not the robot.
+    fn unknown_thing(&mut self) -> bool {
+        let start = self.at;
+        self.skip(&[Word::The]);
+        let is_unknown = self.peek().is_some_and(|token| matches!(token.kind, Kind::Unknown(_)));
+        if is_unknown {
+            self.report_unknown();
+        } else {
+            self.at = start;
+        }
+        is_unknown
+    }
+
     fn report_viewpoint(&mut self, place: &Place) {
         let is_sided = place.sector.is_some_and(|sector| sector != sector.mirrored());
         if let (true, Some(span), Some(sector)) = (is_sided, place.span, place.sector) {
@@ -371,45 +339,6 @@ impl Parser {
             self.issues.push(Issue::at(IssueKind::Ambiguous, span, message));
         }
     }
-
-    /// Steps over a token that fits nowhere, with an issue.
-    fn report_unknown(&mut self) {
-        let Some(token) = self.tokens.get(self.at) else { return };
-        let issue = match &token.kind {
-            Kind::Unknown(word) => {
-                let message = format!("unknown word {word:?}, not used");
-                let issue = Issue::at(IssueKind::UnknownWord, token.span, message);
-                Issue { suggestion: suggest(word).map(str::to_owned), ..issue }
-            }
-            _ => Issue::at(
-                IssueKind::UnknownWord,
-                token.span,
-                "these words fit nowhere here, not used",
-            ),
-        };
-        self.issues.push(issue);
-        self.at += 1;
-    }
-}
-
-fn task(sense: &Sense) -> Option<Task> {
-    if let Sense::Task(task) = sense { Some(*task) } else { None }
-}
-
-fn noun(sense: &Sense) -> Option<Category> {
-    if let Sense::Noun(category) = sense { Some(category.clone()) } else { None }
-}
-
-fn attribute(sense: &Sense) -> Option<Condition> {
-    if let Sense::Attribute(condition) = sense { Some(condition.clone()) } else { None }
-}
-
-fn action(sense: &Sense) -> Option<jrdb_types::Action> {
-    if let Sense::Action(action) = sense { Some(*action) } else { None }
-}
-
-fn interaction(sense: &Sense) -> Option<String> {
-    if let Sense::Interaction(label) = sense { Some(label.clone()) } else { None }
 }
 
 fn is_place_word(sense: &Sense) -> Option<()> {

@@ -185,6 +185,13 @@ fn unknown_words_are_reported_with_place_and_suggestion() {
 }
 
 #[test]
+fn a_place_near_something_unknown_is_not_near_the_robot() {
+    let query = parse("the man near a zebra");
+    assert_eq!(shown(&query), "person male [close, theirs: person]");
+    assert_eq!(query.issues[0].message, r#"unknown word "zebra", not used"#);
+}
+
+#[test]
 fn nothing_at_all_is_an_issue() {
     for text in ["", "  ", "?!"] {
         assert_eq!(parse(text).issues[0].message, "the question has no words");

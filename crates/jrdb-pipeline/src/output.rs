@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use jrdb_types::{Artefact, FrameId, Payload, Scores};
+use jrdb_dataset::PngCompression;
+use jrdb_types::{Artefact, FrameId, Image, Payload, Scores};
 use serde_json::{Value, json};
 
 use crate::draw::{draw_panorama, draw_top_view};
@@ -106,8 +107,9 @@ impl Writer {
     ) -> Result<(), Error> {
         let panorama = draw_panorama(input, output, asked);
         let top_view = draw_top_view(input, output, asked);
-        write(&folder.join("panorama.png"), &jrdb_dataset::encode_png(&panorama))?;
-        write(&folder.join("top_view.png"), &jrdb_dataset::encode_png(&top_view))
+        let png = |image: &Image| jrdb_dataset::encode_png(image, PngCompression::Quick);
+        write(&folder.join("panorama.png"), &png(&panorama))?;
+        write(&folder.join("top_view.png"), &png(&top_view))
     }
 
     /// Writes `scores.json`.

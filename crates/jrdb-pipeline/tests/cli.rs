@@ -1,5 +1,5 @@
 //! The `jrdb` command from the outside: what it prints, its exit codes, and what bad input does.
-#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
 
 mod tree;
 

@@ -1,5 +1,5 @@
 //! The JRDB-Reasoning benchmark's questions, answered on the scenes they were made from.
-#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
 
 mod shared;
 

@@ -1,5 +1,5 @@
 //! Projection, localisation and geometry words against reference tables and one real JRDB frame.
-#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
 
 mod shared;
 

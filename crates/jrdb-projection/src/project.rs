@@ -93,7 +93,7 @@ impl Frame<'_> {
     fn entity(&self, detection: &Detection, inside: &[usize], issues: &mut Vec<Issue>) -> Entity {
         let placed = match self.config.localizer {
             Localizer::Given => given(detection, inside),
-            Localizer::Mean | Localizer::DensestRange => self.from_points(detection, inside),
+            Localizer::Mean | Localizer::DensestRange => self.placed_by_points(detection, inside),
         };
         self.report(detection, placed.as_ref().map(|(position, _)| position), issues);
         let (position, box3d) =
@@ -114,7 +114,7 @@ impl Frame<'_> {
         }
     }
 
-    fn from_points(
+    fn placed_by_points(
         &self,
         detection: &Detection,
         inside: &[usize],

@@ -10,3 +10,4 @@ mod wording;
 
 pub use config::SearchConfig;
 pub use search::search;
+pub use wording::describe;

@@ -1,7 +1,29 @@
 //! Conditions and findings in words, for the trace.
 
 use jrdb_types::query::{Category, RelationKind, Viewpoint};
-use jrdb_types::{Belief, Condition, Pattern, SpatialRelation};
+use jrdb_types::{Belief, Condition, Pattern, Query, SpatialRelation, Task};
+
+/// A query in words: what is asked of which kind of thing, then one line per condition.
+///
+/// ```
+/// use jrdb_types::{Condition, Gender, Query};
+/// let mut query = Query::default();
+/// query.target.conditions.push(Condition::Gender(Gender::Male));
+/// assert_eq!(jrdb_search::describe(&query), "find a person with\n  gender male");
+/// ```
+#[must_use]
+pub fn describe(query: &Query) -> String {
+    let task = match query.task {
+        Task::Find => "find",
+        Task::Count => "count",
+    };
+    let kind =
+        pattern(&Pattern { category: query.target.category.clone(), conditions: Vec::new() });
+    let conditions =
+        query.target.conditions.iter().map(|condition| format!("\n  {}", asked(condition)));
+    let with = if query.target.conditions.is_empty() { "" } else { " with" };
+    format!("{task} {kind}{with}{}", conditions.collect::<String>())
+}
 
 /// What a condition asks for.
 pub(crate) fn asked(condition: &Condition) -> String {

@@ -49,7 +49,7 @@ impl TreeWriter {
             let expected = format!("{} x {} rgb pixels", image.width, image.height);
             return Err(Error::content(&path, expected, format!("{} bytes", image.rgb.len())));
         }
-        file::write(&path, &image::encode_png(image))
+        file::write(&path, &image::encode_png(image, image::PngCompression::Small))
     }
 
     /// Writes `pointclouds/<sensor>/<sequence>/<frame>.pcd`, compressed as JRDB's are.

@@ -148,9 +148,8 @@ pub(crate) struct ParseArgs {
 
 pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
     let query = jrdb_parser::parse(&args.text);
-    let target = serde_json::to_string(&query.target)?;
     let issues = query.issues.iter().map(|issue| report::query_issue_text(&args.text, issue));
-    let head = format!("{}\n{:?} {target}", query.text, query.task);
+    let head = format!("{}\n{}", query.text, jrdb_search::describe(&query));
     let summary = issues.fold(head, |all, issue| format!("{all}\n{issue}"));
     args.output.give(json!({}), &query, &summary)
 }

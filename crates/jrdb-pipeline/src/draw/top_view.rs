@@ -77,7 +77,9 @@ impl View {
             let (_, edge_m) = word.bounds_m();
             if edge_m.is_finite() && edge_m < self.range_m * 1.4 {
                 self.canvas.circle(middle, edge_m * self.px_per_m, RING, 2.0);
-                let at = self.pixel([-edge_m * 0.7071, -edge_m * 0.7071]);
+                // Behind the robot to the right, where the ring has the most room.
+                let corner_m = -edge_m * std::f64::consts::FRAC_1_SQRT_2;
+                let at = self.pixel([corner_m, corner_m]);
                 self.canvas.text(&format!("{edge_m} m"), at, Letters::Small, RING.map(|c| c + 70));
             }
         }
