@@ -62,5 +62,5 @@ fn bundled() -> Result<Vec<PathBuf>> {
 fn snapshots(update: &str) -> Result<()> {
     let mut command = cargo();
     command.args(["test", "--quiet", "--package", "jrdb-pipeline", "--test", "snapshots"]);
-    run(command.env("INSTA_UPDATE", update).env("INSTA_FORCE_PASS", "0"))
+    run(command.env("INSTA_UPDATE", update).env("RUST_BACKTRACE", "0"))
 }

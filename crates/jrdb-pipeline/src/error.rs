@@ -54,6 +54,21 @@ pub enum Error {
     Usage(String),
 }
 
+/// An error and its causes on one line; a cause that the error has already told is left out.
+#[must_use]
+pub fn with_causes(error: &dyn std::error::Error) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        let inner_text = inner.to_string();
+        if !text.contains(&inner_text) {
+            text = format!("{text}: {inner_text}");
+        }
+        cause = inner.source();
+    }
+    text
+}
+
 impl Error {
     /// The process exit code: 1 when the work failed, 2 for bad input or usage.
     #[must_use]

@@ -8,10 +8,10 @@ pub mod perceive;
 pub mod report;
 pub mod run;
 pub mod source;
-//SYNTH pub mod synth;
+pub mod synth;
 
 mod error;
 
-pub use error::Error;
+pub use error::{Error, with_causes};
 pub use frame::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
 pub use run::{RunOptions, RunResult, run};

@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     match cli::dispatch(cli::Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {error:#}");
+            eprintln!("error: {}", jrdb_pipeline::with_causes(error.as_ref()));
             let known = error.downcast_ref::<jrdb_pipeline::Error>();
             ExitCode::from(known.map_or(1, jrdb_pipeline::Error::exit_code))
         }

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use jrdb_dataset::PngCompression;
 use jrdb_types::{Artefact, FrameId, Image, Payload, Scores};
+use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::draw::{draw_panorama, draw_top_view};
@@ -87,15 +88,25 @@ impl Writer {
         if output.asked.is_empty() {
             self.pictures(&folder, input, output, None)?;
         }
-        for (asked, number) in output.asked.iter().zip(1..) {
-            let folder = self.layout.question(&folder, number);
-            if self.with_artifacts {
-                write_artefact(&folder.join("query.json"), json!({}), &asked.query)?;
-            }
-            write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
-            self.pictures(&folder, input, output, Some(asked))?;
+        // Pictures take most of the time of a run, and each stands alone.
+        output.asked.par_iter().enumerate().try_for_each(|(index, asked)| {
+            let folder = self.layout.question(&folder, index + 1);
+            self.question(&folder, input, output, asked)
+        })
+    }
+
+    fn question(
+        &self,
+        folder: &Path,
+        input: &FrameInput,
+        output: &FrameOutput,
+        asked: &Asked,
+    ) -> Result<(), Error> {
+        if self.with_artifacts {
+            write_artefact(&folder.join("query.json"), json!({}), &asked.query)?;
         }
-        Ok(())
+        write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
+        self.pictures(folder, input, output, Some(asked))
     }
 
     fn pictures(

@@ -7,9 +7,9 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Artefact, EntityId, Issue, Scores, Span, Task};
 use serde_json::{Value, json};
 
-use crate::PipelineConfig;
 use crate::frame::{Asked, FrameOutput};
 use crate::run::RunResult;
+use crate::{PipelineConfig, with_causes};
 
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;
@@ -25,7 +25,9 @@ pub fn text(result: &RunResult) -> String {
     for frame in &result.frames {
         match &frame.output {
             Ok(output) => frame_text(&mut text, output, &mut scores),
-            Err(error) => line(&mut text, &format!("{}\n  failed: {error}\n", frame.id)),
+            Err(error) => {
+                line(&mut text, &format!("{}\n  failed: {}\n", frame.id, with_causes(error)))
+            }
         }
     }
     if result.unasked > 0 {
@@ -47,7 +49,7 @@ pub fn json(result: &RunResult, config: &PipelineConfig) -> String {
         .map(|asked| json!(Artefact::new(json!(config.search), asked.answer.clone())));
     let failures = result.frames.iter().filter_map(|frame| {
         let error = frame.output.as_ref().err()?;
-        Some(json!({ "frame": frame.id, "error": error.to_string() }))
+        Some(json!({ "frame": frame.id, "error": with_causes(error) }))
     });
     let scores = result.scores.clone().map(|s| json!(Artefact::new(json!(config.metrics), s)));
     let document = json!({

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use jrdb_metrics::Outcome;
+use jrdb_metrics::{MetricsConfig, Outcome};
 use jrdb_types::{FrameId, Issue, Question, Questions, Scores};
 use rayon::prelude::*;
 
@@ -69,16 +69,16 @@ pub struct RunResult {
 /// # Errors
 /// When there is no frame, or a dataset, question file, model or output folder is unusable.
 pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
-    let frames = source::list_frames(&options.sources, options.frames.as_ref())?;
-    let questions = frame_questions(options, &frames)?;
+    let frame_sources = source::list_frames(&options.sources, options.frames.as_ref())?;
+    let questions = frame_questions(options, &frame_sources)?;
     let perceiver =
-        Perceiver::open(&options.perception, &frames, &options.models, &options.engine)?;
+        Perceiver::open(&options.perception, &frame_sources, &options.models, &options.engine)?;
     let asked = questions.per_frame.iter().map(Vec::len).max().unwrap_or(0);
-    let ids: Vec<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
+    let ids: Vec<&FrameId> = frame_sources.iter().map(|frame| &frame.id).collect();
     let layout = Layout::of(&ids, asked);
     let writer = options.out.as_ref().map(|root| Writer::new(root, layout, options, &perceiver));
     let work = || {
-        let each = frames.par_iter().zip(&questions.per_frame).map(|(frame, questions)| {
+        let each = frame_sources.par_iter().zip(&questions.per_frame).map(|(frame, questions)| {
             let output = run_frame(frame, questions, &perceiver, writer.as_ref(), &options.config);
             on_frame();
             FrameResult { id: frame.id.clone(), output }
@@ -86,7 +86,7 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
         each.collect::<Vec<_>>()
     };
     let frames = pool(options.threads)?.install(work);
-    let scores = score(&frames, options);
+    let scores = score(&frames, &metrics_config(options, &frame_sources));
     if let (Some(writer), Some(scores)) = (&writer, &scores) {
         writer.scores(scores)?;
     }
@@ -144,11 +144,18 @@ fn run_frame(
     Ok(output)
 }
 
-fn score(frames: &[FrameResult], options: &RunOptions) -> Option<Scores> {
+/// The metrics' configuration, with the panorama's circumference when nobody has set it.
+fn metrics_config(options: &RunOptions, frames: &[FrameSource]) -> MetricsConfig {
+    let width_px = frames.first().map(|frame| f64::from(frame.rig.panorama.width_px));
+    let period_px = options.config.metrics.period_px.or(width_px);
+    MetricsConfig { period_px, ..options.config.metrics.clone() }
+}
+
+fn score(frames: &[FrameResult], config: &MetricsConfig) -> Option<Scores> {
     let asked = frames.iter().filter_map(|frame| frame.output.as_ref().ok()).flat_map(|o| &o.asked);
     let outcomes: Vec<Outcome<'_>> = asked
         .filter(|asked| asked.question.truth.is_some())
         .map(|asked| Outcome { question: &asked.question, answer: &asked.answer })
         .collect();
-    (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &options.config.metrics))
+    (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, config))
 }

@@ -1,12 +1,13 @@
 //! Which frames to work on, and what their files hold.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::Dataset;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{FrameId, Image, Issue, PointCloud, Question, Questions, Rig};
 
-use crate::Error;
+use crate::{Error, with_causes};
 
 /// The category of questions that were typed, not read from a file.
 pub const TYPED: &str = "typed";
@@ -62,12 +63,14 @@ pub struct FrameSource {
 /// `range` keeps frames whose number lies in it.
 ///
 /// # Errors
-/// When a tree, its calibration or the sequence asked for is not there, or no frame is left.
+/// When a tree, its calibration or the sequence asked for is not there, no frame is left, or two sources
+/// have a sequence of one name (questions and output folders go by it).
 pub fn list_frames(
     sources: &[Source],
     range: Option<&std::ops::Range<u32>>,
 ) -> Result<Vec<FrameSource>, Error> {
     let mut frames = Vec::new();
+    let mut seen = BTreeSet::new();
     for source in sources {
         let dataset = std::sync::Arc::new(Dataset::open(source.root())?);
         let rig = std::sync::Arc::new(dataset.rig()?);
@@ -76,6 +79,11 @@ pub fn list_frames(
             Source::Sequence { name, .. } => vec![name.clone()],
         };
         for sequence in sequences {
+            if !seen.insert(sequence.clone()) {
+                let message =
+                    format!("expected every sequence once, found {sequence:?} in two sources");
+                return Err(Error::Usage(message));
+            }
             for frame in dataset.frames(&sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
@@ -136,16 +144,7 @@ impl FrameSource {
 /// paths.
 #[must_use]
 pub fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let inner_text = inner.to_string();
-        if !text.contains(&inner_text) {
-            text = format!("{text}: {inner_text}");
-        }
-        cause = inner.source();
-    }
-    text.replace(&format!("{}/", root.display()), "")
+    with_causes(error).replace(&format!("{}/", root.display()), "")
 }
 
 /// The questions for one frame: typed ones, then those of the file that are about this frame.

@@ -4,7 +4,7 @@ mod models;
 mod run;
 mod schema;
 mod stage;
-//SYNTH mod synth;
+mod synth;
 
 use std::process::ExitCode;
 
@@ -36,7 +36,7 @@ enum Command {
     /// Answers and truth to scores
     Evaluate(stage::EvaluateArgs),
     /// Write a JRDB-format dataset of drawn people, with questions and answers
-    //SYNTH    Synth(synth::SynthArgs),
+    Synth(synth::SynthArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
     /// Model files: which are known, which are there
@@ -62,7 +62,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Parse(args) => stage::parse(&args),
         Command::Search(args) => stage::search(&args),
         Command::Evaluate(args) => stage::evaluate(&args),
-        //SYNTH        Command::Synth(args) => synth::synth(&args),
+        Command::Synth(args) => synth::synth(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),
     }

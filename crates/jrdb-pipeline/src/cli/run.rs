@@ -10,7 +10,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
 use jrdb_pipeline::perceive::PerceptionSource;
 use jrdb_pipeline::source::Source;
-use jrdb_pipeline::{Error, PipelineConfig, RunOptions, report};
+use jrdb_pipeline::{Error, PipelineConfig, RunOptions, report, with_causes};
 use jrdb_types::score::IouKind;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Localizer};
@@ -239,7 +239,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     }
     for frame in &result.frames {
         if let Err(error) = &frame.output {
-            eprintln!("error: {}: {error}", frame.id);
+            eprintln!("error: {}: {}", frame.id, with_causes(error));
         }
     }
     let failed = result.frames.iter().any(|frame| frame.output.is_err());

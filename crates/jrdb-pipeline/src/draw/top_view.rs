@@ -1,6 +1,7 @@
 //! The scene from above: robot, people with their headings, range rings, relations of the answer.
 
 use jrdb_projection::BaseCloud;
+use jrdb_types::detection::PERSON;
 use jrdb_types::{Answer, DistanceWord, Entity, EntityId, Image};
 
 use super::canvas::{Letters, text_size};
@@ -22,7 +23,7 @@ const RING: [u8; 3] = [70, 76, 88];
 const POINT: [u8; 3] = [84, 92, 106];
 
 /// From above: the robot in the middle looks up, its left is left. Rings stand where distance words
-/// change; people are circles with a tick towards their heading; arrows go from each selected person to
+/// change; people are circles with a tick towards their heading, objects are squares; arrows go from each selected person to
 /// the partner of its relation.
 #[must_use]
 pub fn draw_top_view(input: &FrameInput, output: &FrameOutput, asked: Option<&Asked>) -> Image {
@@ -97,18 +98,31 @@ impl View {
         let Some(center) = place(entity) else { return };
         let at = self.pixel(center);
         let radius = (PERSON_RADIUS_M * self.px_per_m).max(6.0);
+        if entity.category == PERSON {
+            self.person(entity, center, radius, role);
+        } else {
+            let square = [at[0] - radius, at[1] - radius, 2.0 * radius, 2.0 * radius];
+            if role != Role::Other {
+                self.canvas.fill_rect(square, role.color(), 1.0);
+            }
+            self.canvas.rect(square, role.color(), 2.0);
+        }
+        let label = [at[0] + radius + 3.0, at[1] - radius - 8.0];
+        self.canvas.label(&short(&entity.id), label, Letters::Small, [BLACK, role.color()]);
+    }
+
+    fn person(&mut self, person: &Entity, center: [f64; 2], radius: f64, role: Role) {
+        let at = self.pixel(center);
         if role != Role::Other {
             self.canvas.disc(at, radius, role.color());
         }
         self.canvas.circle(at, radius, role.color(), 2.0);
-        if let Some(heading) = entity.heading_rad {
+        if let Some(heading) = person.heading_rad {
             let ahead = 2.2 * PERSON_RADIUS_M;
             let tip = [center[0] + ahead * heading.cos(), center[1] + ahead * heading.sin()];
             let tip = self.pixel(tip);
             self.canvas.line(&[at, tip], role.color(), 3.0);
         }
-        let label = [at[0] + radius + 3.0, at[1] - radius - 8.0];
-        self.canvas.label(&short(&entity.id), label, Letters::Small, [BLACK, role.color()]);
     }
 
     fn arrows(&mut self, answer: &Answer, entities: &[Entity]) {

@@ -1,0 +1,201 @@
+//! Synthetic scenes with known answers: a seeded world, seen by JRDB's rig, written in JRDB's form.
+//!
+//! A room with furniture and drawn people is shown as a panorama, swept by two LiDARs and labelled
+//! exactly; every frame comes with questions whose answers are known. The people are flat drawings:
+//! good enough to see the whole pipeline work and to test every stage, not to train on for the real
+//! world.
+
+mod cast;
+mod furniture;
+mod labels;
+mod lidar;
+mod paint;
+mod person;
+mod plan;
+mod questions;
+mod random;
+mod room;
+mod solid;
+mod wording;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+
+use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
+use jrdb_types::{FrameId, Image, PointCloud, Question, Questions};
+use serde::{Deserialize, Serialize};
+
+use cast::Cast;
+use lidar::Target;
+use paint::{Subject, chair_of};
+use random::Random;
+use room::Room;
+
+pub use room::{Setting, rig};
+
+/// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
+pub const QUESTIONS_FILE: &str = "questions.json";
+
+/// JRDB's frames come 15 times a second, and every fifth is labelled here, so that motion shows.
+const FRAMES_PER_S: f64 = 15.0;
+const STRIDE: u32 = 5;
+
+/// More people than this do not get into a room.
+const PEOPLE_MAX: usize = 60;
+
+/// Returns of people, their chairs and the furniture, in the sensor's scale of 0 to 255.
+const PERSON_RETURN: f32 = 18.0;
+const CHAIR_RETURN: f32 = 26.0;
+const FURNITURE_RETURN: f32 = 42.0;
+
+/// Which world to make.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SynthConfig {
+    /// Another seed is another world; the same configuration gives the same bytes.
+    pub seed: u64,
+    /// How many people; at most 60, and fewer when the room is too small for them.
+    pub people: usize,
+    /// How many frames, a third of a second apart.
+    pub frames: u32,
+    /// What kind of place.
+    pub setting: Setting,
+    /// Name of the sequence.
+    pub sequence: String,
+}
+
+impl Default for SynthConfig {
+    /// Eight people on a plaza, one frame: enough for every kind of question.
+    fn default() -> Self {
+        let (setting, sequence) = (Setting::default(), "synth_0".into());
+        Self { seed: 0, people: 8, frames: 1, setting, sequence }
+    }
+}
+
+/// A room with everything in it, over time. Frames are made when they are asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct World {
+    config: SynthConfig,
+    room: Room,
+    cast: Cast,
+}
+
+/// One moment of a world, as the sensors and an all-knowing annotator have it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Its name; numbers grow by 5, at 15 per second.
+    pub id: FrameId,
+    /// The panorama.
+    pub image: Image,
+    /// For each pixel of the panorama 0, or the same number for all pixels of one labelled thing.
+    pub instances: Vec<u8>,
+    /// One sweep per LiDAR of [`rig`], in the sensors' frames.
+    pub clouds: Vec<PointCloud>,
+    /// Who and what is where, and the LiDAR points in each 3D box.
+    pub labels: LabelledFrame,
+    /// Questions with their answers, sorted by category.
+    pub questions: Vec<Question>,
+}
+
+/// Makes a world. The same configuration gives the same world.
+///
+/// Ages, genders and races are dealt so that all come before one comes again; the first groups of
+/// people are those that a scene of the setting should have: somebody across the seam of the
+/// panorama, a close pair, somebody who sits and somebody who walks, somebody near and somebody
+/// far.
+#[must_use]
+pub fn generate(config: &SynthConfig) -> World {
+    let config = SynthConfig { people: config.people.min(PEOPLE_MAX), ..config.clone() };
+    let room = Room::new(config.setting, &mut Random::stream(config.seed, 1));
+    let path_seconds = seconds(config.frames.saturating_sub(1));
+    let cast = cast::cast(&config, &room, path_seconds);
+    World { config, room, cast }
+}
+
+/// Writes every frame of a world as a JRDB tree below `root`, and its questions as
+/// [`QUESTIONS_FILE`].
+///
+/// Files that are there are replaced; others stay, so a folder should hold one world only.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn write(world: &World, root: &Path) -> Result<(), Error> {
+    let writer = TreeWriter::new(root);
+    writer.rig(&rig())?;
+    let (mut labels, mut questions) = (Vec::new(), Vec::new());
+    for index in 0..world.config.frames {
+        let frame = world.frame(index);
+        writer.image(&frame.id, &frame.image)?;
+        for cloud in &frame.clouds {
+            writer.cloud(&frame.id, cloud)?;
+        }
+        labels.push(frame.labels);
+        questions.extend(frame.questions);
+    }
+    writer.labels(&world.config.sequence, &labels)?;
+    let path = root.join(QUESTIONS_FILE);
+    let text = jrdb_dataset::write_questions(&Questions { questions });
+    std::fs::write(&path, text).map_err(|source| Error::Write { path, source })
+}
+
+/// Seconds from the first frame to another.
+fn seconds(index: u32) -> f64 {
+    f64::from(index) * f64::from(STRIDE) / FRAMES_PER_S
+}
+
+impl World {
+    /// What it was made from.
+    #[must_use]
+    pub fn config(&self) -> &SynthConfig {
+        &self.config
+    }
+
+    /// A frame by its place in the sequence, from 0.
+    #[must_use]
+    pub fn frame(&self, index: u32) -> Frame {
+        let number = index.saturating_mul(STRIDE);
+        let id = FrameId { sequence: self.config.sequence.clone(), frame: number };
+        let rig = rig();
+        let subjects = self.subjects(index);
+        let picture = paint::paint(&self.room, &subjects, &rig.panorama);
+        let clouds = self.clouds(&subjects, index);
+        let labels = labels::labels(&id, &subjects, &picture.drawn, &clouds, &rig);
+        let questions = questions::questions(&labels.detections, &rig, self.config.seed);
+        let (image, instances) = (picture.image, picture.instances);
+        Frame { id, image, instances, clouds, labels, questions }
+    }
+
+    fn subjects(&self, index: u32) -> Vec<Subject<'_>> {
+        let now = seconds(index);
+        let people =
+            self.cast.people.iter().map(|person| Subject::Person(person, person.pose(now)));
+        people.chain(self.cast.furniture.iter().map(Subject::Furniture)).collect()
+    }
+
+    fn clouds(&self, subjects: &[Subject<'_>], index: u32) -> Vec<PointCloud> {
+        let targets: Vec<Target> = subjects.iter().flat_map(targets).collect();
+        let sweep = |(mount, sensor): (&jrdb_types::LidarMount, u64)| {
+            let stream = 100 + 2 * u64::from(index) + sensor;
+            let mut random = Random::stream(self.config.seed, stream);
+            lidar::sweep(mount, &self.room, &targets, &mut random)
+        };
+        rig().lidars.iter().zip(0..).map(sweep).collect()
+    }
+}
+
+fn targets(subject: &Subject<'_>) -> Vec<Target> {
+    let solids = |parts: Vec<furniture::Part>| parts.into_iter().map(|part| part.solid).collect();
+    match subject {
+        Subject::Furniture(thing) => vec![Target::new(solids(thing.placed()), FURNITURE_RETURN)],
+        Subject::Person(person, pose) => {
+            let mut targets = vec![Target::new(person.solids(pose), PERSON_RETURN)];
+            let chair: Vec<_> = solids(chair_of(person, pose).concat());
+            if !chair.is_empty() {
+                targets.push(Target::new(chair, CHAIR_RETURN));
+            }
+            targets
+        }
+    }
+}
