@@ -1,0 +1,135 @@
+//! The pinhole with OpenCV's distortion.
+
+use jrdb_types::ImageGeometry;
+use nalgebra::{Point2, Point3, Unit, Vector3};
+use serde::{Deserialize, Serialize};
+
+use super::lens::{finite_pixel, finite_ray};
+use super::{Distortion, Lens, Pixel};
+
+/// `u = fx x_d + cx`, `v = fy y_d + cy` with `(x_d, y_d)` the [`Distortion`] of `(X / Z, Y / Z)`: OpenCV's and ROS's
+/// camera matrix `K` and coefficients `D`.
+///
+/// Points behind the camera (`Z ≤ 0`) and beyond [`Distortion::max_radius`] have no pixel.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Pinhole {
+    /// Columns, pixels.
+    pub width_px: u32,
+    /// Rows, pixels.
+    pub height_px: u32,
+    /// Columns per unit `x_d`, pixels.
+    pub fx: f64,
+    /// Rows per unit `y_d`, pixels.
+    pub fy: f64,
+    /// Column of the optical axis, pixels.
+    pub cx: f64,
+    /// Row of the optical axis, pixels.
+    pub cy: f64,
+    /// What bends straight lines; `"none"` for a rectified image.
+    pub distortion: Distortion,
+}
+
+impl Lens for Pinhole {
+    fn image(&self) -> ImageGeometry {
+        ImageGeometry { width_px: self.width_px, height_px: self.height_px, wraps: false }
+    }
+
+    fn pixel_from_camera(&self, point: &Point3<f64>) -> Option<Pixel> {
+        if point.z.is_nan() || point.z <= 0.0 {
+            return None;
+        }
+        let drawn = self.distortion.distort(&Point2::new(point.x / point.z, point.y / point.z))?;
+        finite_pixel(self.fx * drawn.x + self.cx, self.fy * drawn.y + self.cy, point.z)
+    }
+
+    fn ray_from_pixel(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
+        let drawn = Point2::new((u - self.cx) / self.fx, (v - self.cy) / self.fy);
+        let ideal = self.distortion.undistort(&drawn)?;
+        finite_ray(Vector3::new(ideal.x, ideal.y, 1.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::distortion::tests::{BARREL, models};
+    use crate::camera::lens::tests::posed;
+    use crate::camera::{DistortionModel, check_round_trip};
+    use proptest::prelude::*;
+
+    fn lens(model: DistortionModel) -> Pinhole {
+        let distortion = model.into();
+        Pinhole {
+            width_px: 640,
+            height_px: 400,
+            fx: 476.0,
+            fy: 480.0,
+            cx: 318.0,
+            cy: 206.0,
+            distortion,
+        }
+    }
+
+    #[test]
+    fn right_is_right_and_down_is_down() {
+        let pixel = lens(DistortionModel::None).pixel_from_camera(&Point3::new(1.0, 0.5, 2.0));
+        assert_eq!(pixel, Some(Pixel { u: 318.0 + 238.0, v: 206.0 + 120.0, depth_m: 2.0 }));
+    }
+
+    #[test]
+    fn what_is_behind_or_nowhere_has_no_pixel() {
+        for model in [DistortionModel::None, BARREL] {
+            for point in [
+                [0.0, 0.0, 0.0],
+                [0.1, 0.1, -1.0],
+                [1.0, 0.0, 0.0],
+                [f64::NAN, 0.0, 1.0],
+                [0.0, f64::INFINITY, 1.0],
+                [0.0, 0.0, f64::NAN],
+                [0.0, 0.0, f64::INFINITY],
+            ] {
+                assert_eq!(lens(model).pixel_from_camera(&point.into()), None, "{point:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_point_beyond_the_turning_point_is_not_folded_back_into_the_image() {
+        // The bare polynomial would draw this direction (76°) at column 442.
+        assert_eq!(lens(BARREL).pixel_from_camera(&Point3::new(4.0, 0.0, 1.0)), None);
+        assert!(lens(BARREL).pixel_from_camera(&Point3::new(1.0, 0.0, 1.0)).is_some());
+    }
+
+    proptest! {
+        #[test]
+        fn pixels_survive_the_round_trip(u in 0.0..640.0, v in 0.0..400.0) {
+            check_round_trip(&posed(lens(DistortionModel::None)), [u, v], 1e-9);
+            check_round_trip(&posed(lens(BARREL)), [u, v], 1e-9);
+        }
+
+        #[test]
+        fn points_on_one_ray_share_a_pixel(x in -1.0..1.0, y in -1.0..1.0, z in 0.1..9.0, k in 0.1..9.0) {
+            let pixel = |k: f64| lens(BARREL).pixel_from_camera(&Point3::new(k * x * z, k * y * z, k * z));
+            if let (Some(near), Some(far)) = (pixel(1.0), pixel(k)) {
+                prop_assert!((near.u - far.u).abs() < 1e-9 && (near.v - far.v).abs() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn whoever_has_a_ray_has_its_pixel(model in models(), u in 0.0..640.0, v in 0.0..400.0) {
+            let lens = lens(model);
+            if lens.ray_from_pixel(u, v).is_some() {
+                check_round_trip(&posed(lens), [u, v], 1e-6);
+            }
+        }
+
+        #[test]
+        fn nothing_panics(p in prop::array::uniform3(any::<f64>()), k in prop::array::uniform4(any::<f64>())) {
+            let [fx, fy, cx, cy] = k;
+            let lens = Pinhole { fx, fy, cx, cy, ..lens(BARREL) };
+            lens.pixel_from_camera(&p.into());
+            lens.ray_from_pixel(p[0], p[1]);
+        }
+    }
+}
