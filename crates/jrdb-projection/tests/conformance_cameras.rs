@@ -66,14 +66,15 @@ fn pinhole(fx: f64, fy: f64, cx: f64, cy: f64, d: &[f64]) -> Pinhole {
 }
 
 fn assert_near(found: Option<Pixel>, expected: [f64; 2], row: &Row) {
-    let found = found.unwrap_or_else(|| panic!("no pixel for {row:?}"));
+    assert!(found.is_some(), "no pixel for {row:?}");
+    let found = found.unwrap();
     let off_px = (found.u - expected[0]).abs().max((found.v - expected[1]).abs());
     assert!(off_px <= 1e-3, "{found:?} is {off_px} px off in {row:?}");
 }
 
 /// A sensor of JRDB's `lidars.yaml`.
 #[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the file's names")]
+#[expect(non_snake_case, reason = "the file's names")]
 struct Sensor {
     #[serde(rename = "D")]
     d: Vec<f64>,
@@ -132,9 +133,9 @@ fn conformance_the_left_colour_camera_of_kitti() {
             pose(&file[name].chunks(columns).collect::<Vec<_>>())
         };
         // P2 = K [1 | t]: the fourth column is where this camera sits in the rectified frame.
-        let [fx, 0.0, cx, px, 0.0, fy, cy, py, 0.0, 0.0, 1.0, pz] = file["P2"][..] else {
-            panic!("expected K [1 | t], found {:?}", file["P2"]);
-        };
+        let p2: [f64; 12] = file["P2"].as_slice().try_into().unwrap();
+        let [fx, skew, cx, px, zero, fy, cy, py, bottom @ .., pz] = p2;
+        assert_eq!((skew, zero, bottom), (0.0, 0.0, [0.0, 0.0, 1.0]), "expected K [1 | t]");
         let t = [(px - cx * pz) / fx, (py - cy * pz) / fy, pz];
         let rectified_from_velo = matrix("R0_rect", 3) * matrix("Tr_velo_to_cam", 4);
         let camera_from_base = Isometry3::translation(t[0], t[1], t[2]) * rectified_from_velo;
@@ -153,7 +154,7 @@ struct CamerasFile {
 }
 
 #[derive(Deserialize)]
-#[allow(non_snake_case, reason = "the file's names")]
+#[expect(non_snake_case, reason = "the file's names")]
 struct RigSensor {
     D: String,
     K: String,

@@ -17,6 +17,8 @@ const MAX_NEWTON_STEPS: usize = 50;
 /// Times a Newton step is halved to stay within the limit and come nearer.
 const MAX_HALVINGS: i32 = 20;
 
+/// How a lens bends straight lines, as OpenCV's and ROS's coefficients.
+///
 /// With `x = X / Z`, `y = Y / Z`, `s = x² + y²`, the distorted point is
 /// `x L + 2 p1 x y + p2 (s + 2 x²)`, `y L + p1 (s + 2 y²) + 2 p2 x y`,
 /// where `L = 1 + k1 s + k2 s² + k3 s³`, divided by `1 + k4 s + k5 s² + k6 s³` in the rational model.
@@ -24,7 +26,7 @@ const MAX_HALVINGS: i32 = 20;
 /// Source of the formulas: OpenCV's documentation, "Camera Calibration and 3D Reconstruction".
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[allow(missing_docs, reason = "the coefficients are defined by the formulas above")]
+#[expect(missing_docs, reason = "the coefficients are defined by the formulas above")]
 pub enum DistortionModel {
     /// A rectified image.
     #[default]
@@ -77,11 +79,11 @@ impl DistortionModel {
 
 /// A [`DistortionModel`] with the radius up to which it is one-to-one.
 ///
-/// Barrel distortion bends back on itself: JRDB's lenses, fitted up to 45°, draw points at 60° inside
-/// the image again. Beyond the limit this type gives `None`.
+/// Barrel distortion bends back on itself: the polynomials of JRDB's lenses turn at 51° to 55° and draw points
+/// at 60° inside the image again. Beyond the limit this type gives `None`, for the corners of such images too.
 ///
 /// The limit: with `f(r) = r L(r²)` and `p = hypot(p1, p2)`, the first `r` with `f'(r) = 8 p r`. Up to there
-/// the Jacobian's determinant is positive in every direction, as `f' ≥ 8 p r` implies
+/// the Jacobian's determinant is positive in every direction, as `f' ≥ 8 p r` and with it `f / r ≥ 4 p r` imply
 /// `(f' + 6 p r cos ψ) (f / r + 2 p r cos ψ) > (2 p r sin ψ)²` for all ψ. Without tangential terms it is
 /// the turning point of the radial polynomial.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

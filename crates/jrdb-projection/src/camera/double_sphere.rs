@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::lens::{finite_pixel, finite_ray};
 use super::{Lens, Pixel};
 
+/// A closed-form fisheye of six numbers.
+///
 /// A point is projected on a unit sphere, from there on a second one whose centre lies `ξ` behind the first's,
 /// and then by a pinhole moved back by `α / (1 - α)`: with `d1 = |p|`, `ζ = ξ d1 + z`, `d2 = |(x, y, ζ)|`,
 /// `u = fx x / (α d2 + (1 - α) ζ) + cx` and `v` alike (the paper's letters and formulas, but for ζ).

@@ -9,7 +9,9 @@ use serde::{Deserialize, Serialize};
 use super::lens::{finite_pixel, finite_ray, wrapped};
 use super::{Lens, Pixel};
 
-/// Columns are longitude and rows latitude: `u = (1/2 + atan2(x, z) / 2π) · W mod W`,
+/// The whole sphere, wrapping: columns are longitude and rows latitude.
+///
+/// `u = (1/2 + atan2(x, z) / 2π) · W mod W`,
 /// `v = (1/2 + atan2(y, hypot(x, z)) / π) · H`.
 ///
 /// The middle of the image looks forward, the top row straight up, the seam backwards. The poles, which

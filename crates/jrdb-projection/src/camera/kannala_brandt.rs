@@ -9,6 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::lens::{finite_pixel, finite_ray};
 use super::{Lens, Pixel, monotonic};
 
+/// A fisheye whose radius in the image is a polynomial of the angle of incidence.
+///
 /// With θ the angle between the ray and the optical axis and `θ_d` its [`AnglePolynomial`],
 /// `u = fx θ_d x / hypot(x, y) + cx`, `v = fy θ_d y / hypot(x, y) + cy`.
 ///

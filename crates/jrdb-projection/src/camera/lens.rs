@@ -99,7 +99,7 @@ pub(super) fn finite_ray(direction: Vector3<f64>) -> Option<Unit<Vector3<f64>>> 
 pub(super) fn wrapped(u: f64, width_px: f64) -> f64 {
     let u = u.rem_euclid(width_px);
     // Rounding can push a column just left of the seam onto W itself.
-    if u < width_px { u } else { 0.0 }
+    if u == width_px { 0.0 } else { u }
 }
 
 #[cfg(test)]
@@ -135,5 +135,8 @@ pub(super) mod tests {
         let extra = text.replacen('{', r#"{"fps":30,"#, 1);
         let error = serde_json::from_str::<PosedCamera<Equirectangular>>(&extra).unwrap_err();
         assert!(error.to_string().contains("unknown field `fps`"), "{error}");
+        let skewed = text.replacen("-1.0", "-0.9", 1);
+        let error = serde_json::from_str::<PosedCamera<Equirectangular>>(&skewed).unwrap_err();
+        assert!(error.to_string().contains("off orthonormal by 1.9e-1"), "{error} in {skewed}");
     }
 }

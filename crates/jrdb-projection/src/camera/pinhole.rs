@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::lens::{finite_pixel, finite_ray};
 use super::{Distortion, Lens, Pixel};
 
+/// A pinhole camera, distorted or rectified.
+///
 /// `u = fx x_d + cx`, `v = fy y_d + cy` with `(x_d, y_d)` the [`Distortion`] of `(X / Z, Y / Z)`: OpenCV's and ROS's
 /// camera matrix `K` and coefficients `D`.
 ///
@@ -96,8 +98,10 @@ mod tests {
 
     #[test]
     fn a_point_beyond_the_turning_point_is_not_folded_back_into_the_image() {
-        // The bare polynomial would draw this direction (76°) at column 442.
-        assert_eq!(lens(BARREL).pixel_from_camera(&Point3::new(4.0, 0.0, 1.0)), None);
+        let (x, s) = (1.6, 1.6 * 1.6); // 58°
+        let bare = 476.0 * x * (1.0 - 0.34 * s + 0.16 * s * s - 0.05 * s * s * s) + 318.0;
+        assert!((0.0..640.0).contains(&bare), "the polynomial draws it at column {bare}");
+        assert_eq!(lens(BARREL).pixel_from_camera(&Point3::new(x, 0.0, 1.0)), None);
         assert!(lens(BARREL).pixel_from_camera(&Point3::new(1.0, 0.0, 1.0)).is_some());
     }
 
