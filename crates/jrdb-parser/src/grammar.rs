@@ -20,6 +20,10 @@ use crate::cursor::{Parser, action, attribute, interaction, noun, task};
 use crate::lexicon::{Sense, Word};
 use crate::token::{Kind, Token, tokenize};
 
+/// Words between clauses that say nothing by themselves.
+const GLUE: [Word; 7] =
+    [Word::Who, Word::Is, Word::Has, Word::With, Word::Located, Word::And, Word::Filler];
+
 /// How deep "left of a man who is left of a man who …" may go; deeper clauses are not understood.
 const DEPTH_MAX: usize = 32;
 
@@ -144,27 +148,23 @@ impl Parser {
     /// Reads what is said of a thing behind its noun, to the end of the question.
     fn clauses(&mut self, pattern: &mut Pattern, depth: usize) {
         while self.at < self.tokens.len() {
-            let glue = [
-                Word::Who,
-                Word::Is,
-                Word::Has,
-                Word::With,
-                Word::Located,
-                Word::And,
-                Word::Filler,
-            ];
-            if glue.iter().any(|word| self.is(*word)) || self.is_comma() {
-                self.at += 1;
-            } else if self.doing(pattern)
-                || self.placed(pattern, depth)
-                || self.other(pattern, depth)
-            {
-            } else if self.is(Word::The) {
-                self.at += 1;
-            } else {
+            let start = self.at;
+            self.skip(&GLUE);
+            self.at += usize::from(self.is_comma());
+            let is_glue = self.at > start;
+            if !is_glue && !self.clause(pattern, depth) {
                 self.report_unknown();
             }
         }
+    }
+
+    fn clause(&mut self, pattern: &mut Pattern, depth: usize) -> bool {
+        let is_read =
+            self.doing(pattern) || self.placed(pattern, depth) || self.other(pattern, depth);
+        // An article before nothing says nothing.
+        let is_article = !is_read && self.is(Word::The);
+        self.at += usize::from(is_article);
+        is_read || is_article
     }
 
     /// "walking", "walking with a woman", "chatting with a man".

@@ -26,7 +26,7 @@ pub fn text(result: &RunResult) -> String {
         match &frame.output {
             Ok(output) => frame_text(&mut text, output, &mut scores),
             Err(error) => {
-                line(&mut text, &format!("{}\n  failed: {}\n", frame.id, with_causes(error)))
+                line(&mut text, &format!("{}\n  failed: {}\n", frame.id, with_causes(error)));
             }
         }
     }

@@ -1,5 +1,6 @@
 //! The JRDB-Reasoning benchmark's questions, answered on the scenes they were made from.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::print_stdout, reason = "figures and skipped tests are said aloud")]
 
 mod shared;
 

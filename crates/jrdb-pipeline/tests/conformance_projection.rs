@@ -1,5 +1,6 @@
 //! Projection, localisation and geometry words against reference tables and one real JRDB frame.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::print_stdout, reason = "figures and skipped tests are said aloud")]
 
 mod shared;
 

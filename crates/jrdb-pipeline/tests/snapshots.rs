@@ -2,6 +2,7 @@
 //!
 //! `cargo xtask pipeline --check` runs this and names the first stage that moved; `--accept` rewrites.
 #![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::print_stdout, reason = "figures and skipped tests are said aloud")]
 
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};

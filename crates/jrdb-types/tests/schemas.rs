@@ -28,7 +28,10 @@ fn committed_schemas_are_those_of_the_types() {
 
 #[test]
 fn no_schema_is_left_over() {
-    let known: Vec<String> = jrdb_types::schema::all().iter().map(|a| a.file_name()).collect();
+    let known: Vec<String> = jrdb_types::schema::all()
+        .iter()
+        .map(jrdb_types::schema::ArtefactSchema::file_name)
+        .collect();
     for entry in std::fs::read_dir(folder()).unwrap() {
         let name = entry.unwrap().file_name().into_string().unwrap();
         assert!(known.contains(&name), "{name} is the schema of nothing");

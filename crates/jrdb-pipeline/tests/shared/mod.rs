@@ -23,7 +23,7 @@ pub(crate) fn table(path: &str) -> Option<Vec<BTreeMap<String, String>>> {
     let mut lines = text.lines();
     let names: Vec<&str> = lines.next().unwrap().split(',').collect();
     let row = |line: &str| {
-        names.iter().map(|n| n.to_string()).zip(line.split(',').map(String::from)).collect()
+        names.iter().map(ToString::to_string).zip(line.split(',').map(String::from)).collect()
     };
     Some(lines.map(row).collect())
 }
