@@ -36,8 +36,8 @@ pub struct FrameInput {
     pub clouds: Vec<PointCloud>,
     /// The sensors and their mounts.
     pub rig: Rig,
-    /// What of the frame is missing.
-    pub issues: Vec<Issue>,
+    /// What of the sweeps is missing.
+    pub cloud_issues: Vec<Issue>,
 }
 
 /// A question, what it was read as, and what was answered.
@@ -62,8 +62,22 @@ pub struct FrameOutput {
     pub graph: SceneGraph,
     /// Search's, one per question.
     pub asked: Vec<Asked>,
-    /// What of the frame is missing.
-    pub issues: Vec<Issue>,
+}
+
+/// Projects detections with sweeps and what was missing of them, which comes first among the issues.
+///
+/// # Errors
+/// When the detections do not fit the rig.
+pub fn place(
+    detections: &Detections,
+    (clouds, cloud_issues): (&[PointCloud], &[Issue]),
+    rig: &Rig,
+    config: &ProjectionConfig,
+) -> Result<Entities, Error> {
+    let fail = |source| Error::Projection { frame: detections.frame.to_string(), source };
+    let mut entities = jrdb_projection::project(detections, clouds, rig, config).map_err(fail)?;
+    entities.issues.splice(0..0, cloud_issues.iter().cloned());
+    Ok(entities)
 }
 
 /// Projects, builds the graph, and answers every question.
@@ -75,12 +89,8 @@ pub fn process(
     questions: &[Question],
     config: &PipelineConfig,
 ) -> Result<FrameOutput, Error> {
-    let entities =
-        jrdb_projection::project(&input.detections, &input.clouds, &input.rig, &config.projection)
-            .map_err(|source| Error::Projection {
-                frame: input.detections.frame.to_string(),
-                source,
-            })?;
+    let sweeps = (input.clouds.as_slice(), input.cloud_issues.as_slice());
+    let entities = place(&input.detections, sweeps, &input.rig, &config.projection)?;
     let graph = jrdb_graph::build(&entities, &config.graph);
     let ask = |question: &Question| {
         let query = jrdb_parser::parse(&question.text);
@@ -88,6 +98,5 @@ pub fn process(
         Asked { question: question.clone(), query, answer }
     };
     let asked = questions.iter().map(ask).collect();
-    let issues = input.issues.clone();
-    Ok(FrameOutput { detections: input.detections.clone(), entities, graph, asked, issues })
+    Ok(FrameOutput { detections: input.detections.clone(), entities, graph, asked })
 }

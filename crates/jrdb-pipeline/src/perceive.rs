@@ -121,12 +121,22 @@ impl Perceiver {
         &self.notes
     }
 
-    /// Detections of one frame.
+    /// Detections of one frame. A panorama that is missing is among their issues.
     ///
     /// # Errors
     /// When the model fails or the sequence's labels cannot be read. A frame that is not in the file of
     /// detections, or has no picture for the model, has no detections and an issue.
-    pub fn detect(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
+    pub fn detect(
+        &self,
+        frame: &FrameSource,
+        image: &Result<Image, Issue>,
+    ) -> Result<Detections, Error> {
+        let mut detections = self.look(frame, image.as_ref().ok())?;
+        detections.issues.extend(image.as_ref().err().cloned());
+        Ok(detections)
+    }
+
+    fn look(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
         let geometry = frame.rig.panorama.image();
         let nothing = |message: String| Detections {
             frame: frame.id.clone(),
@@ -151,7 +161,7 @@ impl Perceiver {
             }
             Kind::Model(detector) => match image {
                 Some(image) => Ok(detector.detect(image, &frame.id)?),
-                None => Ok(nothing("no picture to look at".into())),
+                None => Ok(nothing("the model had no picture to look at".into())),
             },
         }
     }

@@ -80,9 +80,8 @@ fn frame_text<'a>(
         text,
         &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"),
     );
-    for (message, subjects) in by_message(output.issues.iter().chain(&output.entities.issues)) {
-        let colon = if subjects.is_empty() { "" } else { ": " };
-        line(text, &format!("  note: {}{colon}{message}", subjects.join(" ")));
+    for note in notes(output.detections.issues.iter().chain(&output.entities.issues)) {
+        line(text, &format!("  {note}"));
     }
     for asked in &output.asked {
         asked_text(text, asked);
@@ -166,8 +165,8 @@ fn ids(ids: &[EntityId]) -> String {
     }
 }
 
-/// Issues with one message told once, with all they are about, in the order of the first.
-fn by_message<'a>(issues: impl Iterator<Item = &'a Issue>) -> Vec<(&'a str, Vec<String>)> {
+/// Issues as lines: one message told once, with all the things it is about, in the order of the first.
+pub fn notes<'a>(issues: impl IntoIterator<Item = &'a Issue>) -> Vec<String> {
     let mut told: Vec<(&str, Vec<String>)> = Vec::new();
     for issue in issues {
         let at = told.iter().position(|(message, _)| *message == issue.message);
@@ -177,7 +176,11 @@ fn by_message<'a>(issues: impl Iterator<Item = &'a Issue>) -> Vec<(&'a str, Vec<
         });
         told[at].1.extend(issue.subject.as_ref().map(short));
     }
-    told
+    let line = |(message, subjects): &(&str, Vec<String>)| {
+        let colon = if subjects.is_empty() { "" } else { ": " };
+        format!("note: {}{colon}{message}", subjects.join(" "))
+    };
+    told.iter().map(line).collect()
 }
 
 /// An issue of a query with the words it is about underlined.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use jrdb_metrics::{MetricsConfig, Outcome};
-use jrdb_types::{FrameId, Issue, Question, Questions, Scores};
+use jrdb_types::{FrameId, Question, Questions, Scores};
 use rayon::prelude::*;
 
 use crate::engine::EngineOptions;
@@ -127,16 +127,11 @@ fn run_frame(
     writer: Option<&Writer>,
     config: &PipelineConfig,
 ) -> Result<FrameOutput, Error> {
-    let sensors = frame.read();
-    let detections = perceiver.detect(frame, sensors.image.as_ref())?;
-    let issues: Vec<Issue> = sensors.issues.iter().chain(&detections.issues).cloned().collect();
-    let input = FrameInput {
-        detections,
-        image: sensors.image,
-        clouds: sensors.clouds,
-        rig: (*frame.rig).clone(),
-        issues,
-    };
+    let image = frame.image();
+    let detections = perceiver.detect(frame, &image)?;
+    let (clouds, cloud_issues) = frame.clouds();
+    let (image, rig) = (image.ok(), (*frame.rig).clone());
+    let input = FrameInput { detections, image, clouds, rig, cloud_issues };
     let output = process(&input, questions, config)?;
     if let Some(writer) = writer {
         writer.frame(&input, &output)?;

@@ -99,44 +99,30 @@ pub fn list_frames(
     Ok(frames)
 }
 
-/// A frame's panorama and sweeps; what is missing or broken is an issue.
-#[derive(Debug, Clone)]
-pub struct SensorData {
-    /// The panorama.
-    pub image: Option<Image>,
-    /// One sweep per LiDAR.
-    pub clouds: Vec<PointCloud>,
-    /// What is missing.
-    pub issues: Vec<Issue>,
-}
-
 impl FrameSource {
-    /// Reads the frame's sensor files.
-    #[must_use]
-    pub fn read(&self) -> SensorData {
-        let (clouds, mut issues) = self.dataset.clouds(&self.id.sequence, self.id.frame);
+    /// Reads the frame's panorama.
+    ///
+    /// # Errors
+    /// An issue when it is absent, broken, or of another size than the calibration's.
+    pub fn image(&self) -> Result<Image, Issue> {
+        let missing = |message: String| Issue::new(IssueKind::MissingInput, message);
         let image = self.dataset.image(&self.id.sequence, self.id.frame);
-        let expected =
-            [self.rig.panorama.width_px, self.rig.panorama.height_px].map(|n| n as usize);
-        let image = match image {
-            Ok(image) if [image.width, image.height] == expected => Some(image),
-            Ok(image) => {
-                let found = [image.width, image.height];
-                let message = format!(
-                    "expected a panorama of {expected:?} px as in the calibration, found {found:?}"
-                );
-                issues.push(Issue::new(IssueKind::MissingInput, message));
-                None
-            }
-            Err(error) => {
-                issues.push(Issue::new(
-                    IssueKind::MissingInput,
-                    without_root(&error, self.dataset.root()),
-                ));
-                None
-            }
-        };
-        SensorData { image, clouds, issues }
+        let image = image.map_err(|error| missing(without_root(&error, self.dataset.root())))?;
+        let expected = [self.rig.panorama.width_px, self.rig.panorama.height_px];
+        let expected = expected.map(|side| side as usize);
+        let found = [image.width, image.height];
+        if found == expected {
+            return Ok(image);
+        }
+        Err(missing(format!(
+            "expected a panorama of {expected:?} px as in the calibration, found {found:?}"
+        )))
+    }
+
+    /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
+    #[must_use]
+    pub fn clouds(&self) -> (Vec<PointCloud>, Vec<Issue>) {
+        self.dataset.clouds(&self.id.sequence, self.id.frame)
     }
 }
 

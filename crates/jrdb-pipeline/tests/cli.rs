@@ -88,8 +88,10 @@ fn json_is_all_that_is_on_standard_output() {
 }
 
 #[test]
-fn the_stages_one_by_one_give_what_the_run_gives() {
+fn the_stages_one_by_one_give_what_the_run_gives_trouble_included() {
     let scene = Scene::new();
+    scene.change(LOWER, cut);
+    scene.change(IMAGE, cut);
     let out = scene.path("run");
     let query = "Find the male";
     let frames = ["--frames", "0..1"];

@@ -9,7 +9,7 @@ use jrdb_metrics::Outcome;
 use jrdb_pipeline::output::{read_artefact, write_artefact};
 use jrdb_pipeline::perceive::Perceiver;
 use jrdb_pipeline::source::{FrameSource, Source, list_frames};
-use jrdb_pipeline::{Error, PipelineConfig, report};
+use jrdb_pipeline::{Error, PipelineConfig, frame::place, report};
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
@@ -59,13 +59,12 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
         eprintln!("{note}");
     }
     let [frame] = frames;
-    let detections = perceiver.detect(&frame, frame.read().image.as_ref())?;
+    let detections = perceiver.detect(&frame, &frame.image())?;
     let lines = detections.detections.iter().map(|d| {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
     });
-    let issues = detections.issues.iter().map(|issue| format!("note: {}", issue.message));
-    let summary = lines.chain(issues).collect::<Vec<_>>().join("\n");
+    let summary = lines.chain(report::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(perceiver.config().clone(), &detections, &summary)
 }
 
@@ -101,14 +100,9 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
     let frames = list_frames(&[source], Some(&(id.frame..id.frame.saturating_add(1))))?;
     let mut config = PipelineConfig::default();
     args.projection.apply(&mut config);
-    let sensors = frames[0].read();
-    let projected =
-        jrdb_projection::project(&detections, &sensors.clouds, &frames[0].rig, &config.projection);
-    let mut entities =
-        projected.map_err(|source| Error::Projection { frame: id.to_string(), source })?;
-    entities
-        .issues
-        .splice(0..0, sensors.issues.into_iter().filter(|i| !i.message.contains("image_stitched")));
+    let (clouds, cloud_issues) = frames[0].clouds();
+    let entities =
+        place(&detections, (&clouds, &cloud_issues), &frames[0].rig, &config.projection)?;
     let lines = entities.entities.iter().map(|e| match e.position {
         None => format!("{} nowhere", e.id),
         Some(p) => {
@@ -116,8 +110,7 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
             format!("{} at {x:.2} {y:.2} {z:.2} m from {} points", e.id, p.points_used)
         }
     });
-    let issues = entities.issues.iter().map(|issue| format!("note: {}", issue.message));
-    let summary = lines.chain(issues).collect::<Vec<_>>().join("\n");
+    let summary = lines.chain(report::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(json!(config.projection), &entities, &summary)
 }
 
