@@ -4,7 +4,7 @@
 mod tree;
 
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Command, Output, Stdio};
 
 use tempfile::TempDir;
 
@@ -85,6 +85,16 @@ fn json_is_all_that_is_on_standard_output() {
     assert_eq!(document["answers"].as_array().unwrap().len(), 2);
     assert_eq!(document["answers"][0]["schema"], "jrdb.answer");
     assert!(!ran.out.contains(scene.root()), "no host paths in artefacts");
+}
+
+#[test]
+fn whoever_stops_reading_has_read_enough() {
+    let scene = Scene::new();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_jrdb"));
+    command.args(["run", "--scene", scene.root(), "--query", "Find all persons"]);
+    let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
 }
 
 #[test]

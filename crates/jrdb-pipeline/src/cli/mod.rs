@@ -6,9 +6,10 @@ mod schema;
 mod stage;
 mod synth;
 
+use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Parser, Subcommand, ValueEnum};
 
 /// Find people in a 360° image and LiDAR cloud by asking for them in English.
@@ -51,6 +52,16 @@ pub(crate) enum Format {
     Text,
     /// For programs.
     Json,
+}
+
+/// Writes to standard output. Whoever stops reading, as `head` does, has read enough.
+pub(crate) fn say(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
 }
 
 pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {

@@ -8,6 +8,8 @@ use clap::{Args, Subcommand};
 use jrdb_pipeline::engine::{EngineOptions, open_engine};
 use jrdb_pipeline::perceive::SSDLITE_FILE;
 
+use super::say;
+
 #[derive(Debug, Args)]
 pub(crate) struct ModelsArgs {
     #[command(subcommand)]
@@ -44,7 +46,7 @@ fn list(folder: &Folder) -> Result<ExitCode> {
     for (name, file, what) in KNOWN {
         let path = folder.models.join(file);
         let state = if path.exists() { "there" } else { "missing" };
-        println!("{name:<10} {state:<8} {} ({what})", path.display());
+        say(&format!("{name:<10} {state:<8} {} ({what})\n", path.display()))?;
     }
     Ok(ExitCode::SUCCESS)
 }
@@ -57,10 +59,10 @@ fn check(folder: &Folder) -> Result<ExitCode> {
         match std::fs::read(&path) {
             Ok(bytes) => {
                 let (_, note) = open_engine(&bytes, &path, &options)?;
-                println!("{name:<10} loads, {note}");
+                say(&format!("{name:<10} loads, {note}\n"))?;
             }
             Err(error) => {
-                println!("{name:<10} {}: {error}", path.display());
+                say(&format!("{name:<10} {}: {error}\n", path.display()))?;
                 missing = true;
             }
         }

@@ -15,7 +15,7 @@ use jrdb_types::score::IouKind;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Localizer};
 
-use super::Format;
+use super::{Format, say};
 
 /// Which frames.
 #[derive(Debug, Args)]
@@ -231,11 +231,11 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let result = jrdb_pipeline::run(&options, &|| progress.inc(1))?;
     progress.finish_and_clear();
     match args.format {
-        Format::Text => print!("{}", report::text(&result)),
-        Format::Json => print!("{}", report::json(&result, &options.config)),
+        Format::Text => say(&report::text(&result))?,
+        Format::Json => say(&report::json(&result, &options.config))?,
     }
     if let (Format::Text, Some(out)) = (args.format, &args.out) {
-        println!("answers and pictures are in {}", out.display());
+        say(&format!("answers and pictures are in {}\n", out.display()))?;
     }
     for frame in &result.frames {
         if let Err(error) = &frame.output {

@@ -13,8 +13,8 @@ use jrdb_pipeline::{Error, PipelineConfig, frame::place, report};
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
-use super::Format;
 use super::run::{Iou, Match, PerceptionArgs, ProjectionArgs, SourceArgs};
+use super::{Format, say};
 
 /// Where a stage's artefact goes.
 #[derive(Debug, Args)]
@@ -33,8 +33,8 @@ impl OutputArgs {
             write_artefact(path, config.clone(), data)?;
         }
         match self.format {
-            Format::Text => println!("{summary}"),
-            Format::Json => print!("{}", Artefact::new(config, data.clone()).to_json()),
+            Format::Text => say(&format!("{summary}\n"))?,
+            Format::Json => say(&Artefact::new(config, data.clone()).to_json())?,
         }
         Ok(ExitCode::SUCCESS)
     }

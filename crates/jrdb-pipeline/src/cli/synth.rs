@@ -80,9 +80,10 @@ pub(crate) fn synth(args: &SynthArgs) -> Result<ExitCode> {
     let world = synth::generate(&config);
     synth::write(&world, &args.out).map_err(Error::from)?;
     let out = args.out.display();
-    println!(
+    let done = format!(
         "{} frames of {} are in {out}; next: jrdb run --scene {out}",
         config.frames, config.sequence
     );
+    super::say(&format!("{done}\n"))?;
     Ok(ExitCode::SUCCESS)
 }
