@@ -2,7 +2,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
-use jrdb_types::{Condition, Issue, Task};
+use jrdb_types::{Condition, Issue, Span, Task};
 
 use crate::lexicon::{Sense, Word};
 use crate::suggest::suggest;
@@ -59,22 +59,27 @@ impl Parser {
         found
     }
 
+    /// An issue about the tokens from `start` to before `end`, which fit nowhere.
+    pub(crate) fn report_unused(&mut self, start: usize, end: usize) {
+        let spans = self.tokens[start..end].iter().map(|token| token.span);
+        if let Some(span) = spans.reduce(|a, b| Span { start: a.start, end: b.end }) {
+            let message = "these words fit nowhere here, not used";
+            self.issues.push(Issue::at(IssueKind::UnknownWord, span, message));
+        }
+    }
+
     /// Steps over a token that fits nowhere, with an issue.
     pub(crate) fn report_unknown(&mut self) {
-        let Some(token) = self.tokens.get(self.at) else { return };
-        let issue = match &token.kind {
-            Kind::Unknown(word) => {
+        match self.peek().map(|token| (&token.kind, token.span)) {
+            Some((Kind::Unknown(word), span)) => {
                 let message = format!("unknown word {word:?}, not used");
-                let issue = Issue::at(IssueKind::UnknownWord, token.span, message);
-                Issue { suggestion: suggest(word).map(str::to_owned), ..issue }
+                let suggestion = suggest(word).map(str::to_owned);
+                let issue = Issue::at(IssueKind::UnknownWord, span, message);
+                self.issues.push(Issue { suggestion, ..issue });
             }
-            _ => Issue::at(
-                IssueKind::UnknownWord,
-                token.span,
-                "these words fit nowhere here, not used",
-            ),
-        };
-        self.issues.push(issue);
+            Some(_) => self.report_unused(self.at, self.at + 1),
+            None => return,
+        }
         self.at += 1;
     }
 }

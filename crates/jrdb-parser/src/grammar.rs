@@ -216,19 +216,23 @@ impl Parser {
     /// "a woman located to his right at a close distance": another thing and where it is; a noun phrase
     /// without a place describes the thing spoken of.
     fn other(&mut self, pattern: &mut Pattern, depth: usize) -> bool {
+        let start = self.at;
         let mut partner = Pattern::default();
         if !self.thing(&mut partner) {
             return false;
         }
+        let end = self.at;
         self.skip(&[Word::Who, Word::Is, Word::Located]);
         let place = self.place(depth);
         if place.anchor == Anchor::Him {
             pattern.conditions.push(place.relation(Viewpoint::Subject, partner));
             return true;
         }
-        pattern.conditions.append(&mut partner.conditions);
-        if partner.category != Category::Person {
-            pattern.category = partner.category;
+        if partner.category == Category::Person || partner.category == pattern.category {
+            pattern.conditions.append(&mut partner.conditions);
+        } else {
+            // A person is no table: what joins the two was not understood.
+            self.report_unused(start, end);
         }
         self.put(place, pattern);
         true

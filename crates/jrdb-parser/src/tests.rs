@@ -160,6 +160,8 @@ fn what_people_type() {
             "person sitting elderly female robot-direction:left",
         ),
         ("people standing", "person standing"),
+        ("who is near a table?", "person [close, theirs: table]"),
+        ("which tables are in front of me", "table robot-direction:front"),
         (
             "the man in front of a woman who is behind a child",
             "person male [front, theirs: person female [back, theirs: person child]]",
@@ -182,6 +184,18 @@ fn unknown_words_are_reported_with_place_and_suggestion() {
         (Some(Span { start: 9, end: 15 }), Some("female"))
     );
     assert!(query.issues.iter().any(|i| i.message.contains("zebras")));
+}
+
+#[test]
+fn a_thing_that_cannot_be_joined_is_reported_and_changes_nothing_else() {
+    let query = parse("Find the man holding a bag");
+    assert_eq!(shown(&query), "person male");
+    let told: Vec<_> = query.issues.iter().map(|issue| issue.message.as_str()).collect();
+    assert_eq!(
+        told,
+        [r#"unknown word "holding", not used"#, "these words fit nowhere here, not used"]
+    );
+    assert_eq!(query.issues[1].span, Some(Span { start: 21, end: 26 }));
 }
 
 #[test]

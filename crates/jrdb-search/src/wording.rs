@@ -1,7 +1,7 @@
 //! Conditions and findings in words, for the trace.
 
 use jrdb_types::query::{Category, RelationKind, Viewpoint};
-use jrdb_types::{Belief, Condition, Pattern, Query, SpatialRelation, Task};
+use jrdb_types::{Belief, Condition, DistanceWord, Pattern, Query, SpatialRelation, Task};
 
 /// A query in words: what is asked of which kind of thing, then one line per condition.
 ///
@@ -45,7 +45,7 @@ fn asked_relation(kind: &RelationKind, partner: &str) -> String {
         RelationKind::Interaction { label } => format!("{label} with {partner}"),
         RelationKind::Spatial { distance, direction, viewpoint } => {
             let place = match (direction, viewpoint) {
-                (None, _) => format!("has {partner}"),
+                (None, _) => return near(*distance, partner),
                 (Some(direction), Viewpoint::Subject) => {
                     format!("has {partner} to its {direction}")
                 }
@@ -55,6 +55,11 @@ fn asked_relation(kind: &RelationKind, partner: &str) -> String {
             format!("{place}{}", distance.unwrap_or_default())
         }
     }
+}
+
+fn near(distance: Option<DistanceWord>, partner: &str) -> String {
+    let distance = distance.map_or_else(|| "any".into(), |distance| distance.to_string());
+    format!("{distance} distance from {partner}")
 }
 
 /// A pattern as a noun phrase, `a young, female person`.
