@@ -45,7 +45,8 @@ pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
     let mut nodes: Vec<Node> = entities.entities.iter().filter(visible).map(node).collect();
     nodes.sort_by(|a, b| a.id.cmp(&b.id));
     let close = |relation: &SpatialRelation| {
-        config.pairs == Pairs::All || relation.distance <= Some(DistanceWord::Close)
+        config.pairs == Pairs::All
+            || relation.distance.is_some_and(|word| word <= DistanceWord::Close)
     };
     let spatial = entities.relations.iter().filter(|pair| close(&pair.relation)).map(|pair| Edge {
         from: pair.subject.clone(),
@@ -139,6 +140,14 @@ mod tests {
         let graph = build(&scene(), &GraphConfig::default());
         assert_eq!(graph.nodes.iter().map(|n| n.id.number).collect::<Vec<_>>(), [1, 2, 3]);
         assert_eq!(edges(&graph), [(1, 3, "spatial"), (2, 1, "spatial"), (2, 1, "interaction")]);
+    }
+
+    #[test]
+    fn a_pair_of_unknown_distance_is_not_close() {
+        let mut scene = scene();
+        scene.relations[0].relation.distance = None;
+        let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::Keep };
+        assert_eq!(edges(&build(&scene, &config)), [(2, 1, "interaction")]);
     }
 
     #[test]

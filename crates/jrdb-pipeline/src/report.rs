@@ -158,11 +158,7 @@ pub fn short(id: &EntityId) -> String {
 }
 
 fn ids(ids: &[EntityId]) -> String {
-    if ids.is_empty() {
-        "nobody".into()
-    } else {
-        ids.iter().map(short).collect::<Vec<_>>().join(" ")
-    }
+    if ids.is_empty() { "none".into() } else { ids.iter().map(short).collect::<Vec<_>>().join(" ") }
 }
 
 /// Issues as lines: one message told once, with all the things it is about, in the order of the first.

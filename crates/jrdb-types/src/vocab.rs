@@ -175,7 +175,7 @@ impl Sector {
 
     /// From and to, degrees counter-clockwise (towards the physical left), under the physical
     /// convention; `Back` goes from 145 to 215. Which bound belongs to which sector is
-    /// `jrdb_projection::direction`'s business.
+    /// `jrdb_projection::relation::direction`'s business.
     #[must_use]
     pub const fn bounds_deg(self) -> (f64, f64) {
         match self {

@@ -41,7 +41,7 @@ fn strip(canvas: &mut Canvas, asked: &Asked) {
     let answer = &asked.answer;
     let count = answer.count.map(|count| format!("{count}: ")).unwrap_or_default();
     let names: Vec<String> = answer.selection.iter().map(short).collect();
-    let names = if names.is_empty() { "nobody".into() } else { names.join(" ") };
+    let names = if names.is_empty() { "none".into() } else { names.join(" ") };
     let words = format!("answer: {count}{names}");
     canvas.text(&words, [16.0, 54.0], Letters::Huge, super::ANSWER);
     let partners: Vec<String> = witnesses(answer)
