@@ -78,17 +78,10 @@ impl BaseCloud {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jrdb_types::rig::CylindricalPanorama;
+    use crate::testing;
 
     fn rig() -> Rig {
-        let panorama = CylindricalPanorama {
-            width_px: 3760,
-            height_px: 480,
-            focal_px: 480.0,
-            horizon_px: 210.0,
-        };
-        let mount = LidarMount { name: "upper".into(), offset_m: [0.0, 0.0, -0.3], yaw_rad: 0.1 };
-        Rig { panorama, lidars: vec![mount] }
+        testing::rig([0.0, 0.0, -0.3], 0.1)
     }
 
     fn sweep(sensor: &str) -> PointCloud {

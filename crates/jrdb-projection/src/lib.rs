@@ -8,6 +8,8 @@ mod person_box;
 mod project;
 pub mod relation;
 pub mod select;
+#[cfg(test)]
+mod testing;
 
 pub use camera::{CameraModel, Pixel};
 pub use cloud::BaseCloud;

@@ -35,9 +35,7 @@ pub(crate) fn person_box(
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const CAMERA: CylindricalPanorama =
-        CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
+    use crate::testing::PANORAMA as CAMERA;
 
     #[test]
     fn height_and_middle_come_from_the_rows() {

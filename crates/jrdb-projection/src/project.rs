@@ -205,19 +205,12 @@ fn relate(entities: &[Entity], config: &ProjectionConfig) -> Vec<PairRelation> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing;
     use jrdb_types::rig::CylindricalPanorama;
     use jrdb_types::{EntityId, FrameId, PixelBox};
 
     fn rig() -> Rig {
-        let panorama = CylindricalPanorama {
-            width_px: 3760,
-            height_px: 480,
-            focal_px: 480.0,
-            horizon_px: 210.0,
-        };
-        let mount =
-            jrdb_types::LidarMount { name: "upper".into(), offset_m: [0.0; 3], yaw_rad: 0.0 };
-        Rig { panorama, lidars: vec![mount] }
+        testing::rig([0.0; 3], 0.0)
     }
 
     fn person(number: u32, bbox: [f64; 4], heading_rad: Option<f64>) -> Detection {

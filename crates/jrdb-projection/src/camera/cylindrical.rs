@@ -48,10 +48,8 @@ impl CameraModel for CylindricalPanorama {
 mod tests {
     use super::*;
     use crate::camera::check_round_trip;
+    use crate::testing::PANORAMA;
     use proptest::prelude::*;
-
-    const PANORAMA: CylindricalPanorama =
-        CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
 
     fn pixel(x: f64, y: f64, z: f64) -> Pixel {
         PANORAMA.pixel_from_base(&Point3::new(x, y, z)).unwrap()

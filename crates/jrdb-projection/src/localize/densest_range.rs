@@ -126,9 +126,7 @@ mod tests {
     use super::*;
     use crate::CameraModel;
     use crate::select::points_in_boxes;
-
-    const CAMERA: CylindricalPanorama =
-        CylindricalPanorama { width_px: 3760, height_px: 480, focal_px: 480.0, horizon_px: 210.0 };
+    use crate::testing::PANORAMA as CAMERA;
 
     fn cloud(points: &[[f64; 3]]) -> BaseCloud {
         let points: Vec<Point3<f64>> = points.iter().map(|&p| Point3::from(p)).collect();
