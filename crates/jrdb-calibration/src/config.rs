@@ -109,7 +109,7 @@ impl FloorConfig {
     }
 }
 
-fn expect(
+pub(crate) fn expect(
     holds: bool,
     (field, expected, found): (&'static str, &'static str, String),
 ) -> Result<(), Error> {

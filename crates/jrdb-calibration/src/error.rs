@@ -1,15 +1,15 @@
-//! Why a floor could not be found.
+//! Why a floor could not be found, or cloud and image not compared.
 
 use nalgebra::Point3;
 
-/// Why a cloud has no floor that could be trusted.
+/// Why a cloud has no floor that could be trusted, or could not be held against an image.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A threshold is out of its range.
     #[error("expected {field} to be {expected}, found {found}")]
     BadConfig {
-        /// Field of [`crate::FloorConfig`].
+        /// Field of [`crate::FloorConfig`] or [`crate::FitConfig`].
         field: &'static str,
         /// What it should be.
         expected: &'static str,
@@ -71,6 +71,28 @@ pub enum Error {
         expected_m: f64,
         /// Root mean square distance from the plane, metres.
         found_m: f64,
+    },
+    /// An image is not of the camera it is said to be of.
+    #[error("expected an image of {expected:?} pixels, found {found:?} in {bytes} bytes")]
+    ImageSize {
+        /// Columns and rows of the camera.
+        expected: [usize; 2],
+        /// Columns and rows of the image.
+        found: [usize; 2],
+        /// Bytes of the image, three for each pixel.
+        bytes: usize,
+    },
+    /// There is no cloud to hold against the image.
+    #[error("expected a sweep of at least one LiDAR, found none")]
+    NoSweep,
+    /// A sweep cannot be held against the image.
+    #[error("cannot use the sweep of {sensor:?}")]
+    Sweep {
+        /// Name of the LiDAR.
+        sensor: String,
+        /// Why.
+        #[source]
+        source: Box<Error>,
     },
     /// One of several clouds has no floor.
     #[error("no floor in the cloud of {sensor:?}")]

@@ -3,6 +3,7 @@
 mod compare;
 mod config;
 mod error;
+mod fit;
 mod floor;
 mod plane;
 #[cfg(test)]
@@ -12,5 +13,9 @@ mod vote;
 pub use compare::{FloorAgreement, FloorDifference, SensorFloor, compare_floors};
 pub use config::FloorConfig;
 pub use error::Error;
+pub use fit::{
+    Doubt, Finding, FitConfig, FitReport, Freedom, LidarFit, Measure, Motion, RefinedFreedom,
+    RefinedLidar, Refinement, Sweep, Verdict, View, check_fit, refine,
+};
 pub use floor::{Floor, fit_floor};
 pub use nalgebra;

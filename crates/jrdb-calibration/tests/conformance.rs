@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use jrdb_calibration::nalgebra::Point3;
 use jrdb_calibration::{Floor, FloorConfig, compare_floors, fit_floor};
 use jrdb_dataset::Dataset;
-use jrdb_projection::cloud::base_from_lidar;
+use jrdb_projection::Sensors;
 use jrdb_types::Rig;
 
 /// The sample's tree, unless it is absent.
@@ -24,8 +24,7 @@ fn sample() -> Option<Dataset> {
 }
 
 fn in_base(points: impl Iterator<Item = Point3<f64>>, sensor: &str, rig: &Rig) -> Vec<Point3<f64>> {
-    let mount = rig.lidars.iter().find(|mount| mount.name == sensor).unwrap();
-    let base_from_lidar = base_from_lidar(mount);
+    let base_from_lidar = Sensors::new(rig, None).unwrap().lidars[sensor];
     points.map(|in_lidar| base_from_lidar * in_lidar).collect()
 }
 
@@ -41,11 +40,11 @@ fn check(name: &str, floor: &Floor) {
 fn conformance_floor_of_the_real_frame() {
     let Some(dataset) = sample() else { return };
     let rig = dataset.rig().unwrap();
-    let (clouds, _) = dataset.clouds("bytes-cafe-2019-02-07_0", 0);
+    let (clouds, _) = dataset.clouds("bytes-cafe-2019-02-07_0", 0, &rig.lidars);
     let points: Vec<Vec<Point3<f64>>> = clouds
         .iter()
         .map(|cloud| {
-            let at = |i| Point3::new(cloud.x[i], cloud.y[i], cloud.z[i]);
+            let at = |i: usize| Point3::new(cloud.x[i], cloud.y[i], cloud.z[i]).cast::<f64>();
             in_base((0..cloud.len()).map(at), &cloud.sensor, &rig)
         })
         .collect();

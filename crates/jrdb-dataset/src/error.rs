@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use jrdb_types::ArtefactError;
 
+use crate::cloud::CloudError;
 use crate::image::ImageError;
-use crate::pcd::PcdError;
 
 /// Why a file could not be read, written or understood; always names the file.
 #[derive(Debug, thiserror::Error)]
@@ -48,12 +48,12 @@ pub enum Error {
     },
     /// The file is not a point cloud that can be used.
     #[error("unusable point cloud {path:?}")]
-    Pcd {
+    Cloud {
         /// The file.
         path: PathBuf,
         /// Why.
         #[source]
-        source: PcdError,
+        source: CloudError,
     },
     /// The file is not JSON, or its outermost structure is not the expected one.
     #[error("expected {expected} in {path:?}")]

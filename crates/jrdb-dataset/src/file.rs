@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use serde::de::DeserializeOwned;
+
 use crate::Error;
 
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
@@ -11,6 +13,28 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
 
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
     fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+pub(crate) fn read_yaml<T: DeserializeOwned>(
+    path: &Path,
+    expected: &'static str,
+) -> Result<T, Error> {
+    serde_saphyr::from_str(&read_text(path)?).map_err(|source| Error::Yaml {
+        expected,
+        path: path.into(),
+        source: Box::new(source),
+    })
+}
+
+pub(crate) fn read_json<T: DeserializeOwned>(
+    path: &Path,
+    expected: &'static str,
+) -> Result<T, Error> {
+    serde_json::from_str(&read_text(path)?).map_err(|source| Error::Json {
+        expected,
+        path: path.into(),
+        source,
+    })
 }
 
 /// Writes a file and the folders above it.
@@ -37,7 +61,11 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
 
 /// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12.
 pub(crate) fn frame_number(name: &str) -> Option<u32> {
-    let stem = Path::new(name).file_stem()?.to_str()?;
+    number(Path::new(name).file_stem()?.to_str()?)
+}
+
+/// The number that digits, and nothing but digits, stand for.
+pub(crate) fn number(stem: &str) -> Option<u32> {
     stem.bytes().all(|b| b.is_ascii_digit()).then(|| stem.parse().ok())?
 }
 

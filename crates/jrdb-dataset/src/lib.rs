@@ -1,7 +1,8 @@
 #![doc = include_str!("../README.md")]
 
+pub mod cloud;
 pub mod image;
-pub mod pcd;
+pub mod rig;
 
 mod boxes;
 mod calibration;
@@ -9,17 +10,17 @@ mod detections;
 mod error;
 mod file;
 mod labels;
-mod lzf;
 mod number;
 mod questions;
 mod tree;
 mod writer;
 
+pub use calibration::{LidarMount, OfficialCalibration};
+pub use cloud::pcd;
 pub use detections::read_detections;
 pub use error::Error;
 pub use image::{ImageError, PngCompression, decode_image, encode_png, read_image};
 pub use labels::SequenceLabels;
-pub use pcd::{PcdError, read_pcd};
 pub use questions::{read_questions, write_questions};
 pub use tree::Dataset;
 pub use writer::{LabelledFrame, TreeWriter};

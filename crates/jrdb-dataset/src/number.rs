@@ -1,8 +1,10 @@
 //! Numbers as data files spell them: bare, as text, in lists, or many in one text.
 
 use std::fmt;
+use std::path::Path;
 
 use serde::de::{Deserialize, Deserializer, Error, SeqAccess, Visitor};
+use serde_json::Value;
 
 /// A number, or a text that holds one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,6 +64,37 @@ impl<'de> Visitor<'de> for RealsVisitor {
             numbers.extend(more);
         }
         Ok(Reals(numbers))
+    }
+}
+
+/// The numbers of a key, if they are as many as expected and finite.
+pub(crate) fn exactly<const N: usize>(
+    reals: &Reals,
+    key: &str,
+    path: &Path,
+) -> Result<[f64; N], crate::Error> {
+    let numbers = reals.0.as_slice();
+    <[f64; N]>::try_from(numbers)
+        .ok()
+        .filter(|numbers| numbers.iter().all(|n| n.is_finite()))
+        .ok_or_else(|| {
+            let expected = format!("{N} finite numbers as {key}");
+            crate::Error::content(path, expected, format!("{numbers:?}"))
+        })
+}
+
+/// The same of a value that may be anything, or nothing.
+pub(crate) fn exactly_in<const N: usize>(
+    value: Option<&Value>,
+    key: &str,
+    path: &Path,
+) -> Result<[f64; N], crate::Error> {
+    match value.map(Reals::deserialize) {
+        Some(Ok(reals)) => exactly(&reals, key, path),
+        _ => {
+            let found = value.map_or_else(|| "no such key".into(), Value::to_string);
+            Err(crate::Error::content(path, format!("{N} finite numbers as {key}"), found))
+        }
     }
 }
 

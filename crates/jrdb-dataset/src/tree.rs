@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use jrdb_types::{Image, Issue, IssueKind, PointCloud, Rig};
+use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig};
 
-use crate::calibration::{self, LIDARS};
+use crate::cloud;
 use crate::error::chain;
 use crate::labels::{self, SequenceLabels};
-use crate::{Error, file, image, pcd};
+use crate::{Error, OfficialCalibration, file, image, rig};
 
 /// Folders of a tree, below its root.
 pub(crate) const IMAGES: &str = "images/image_stitched";
@@ -17,7 +17,10 @@ pub(crate) const CALIBRATION: &str = "calibration";
 pub(crate) const LABELS: &str = "labels";
 
 const IMAGE_EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];
-const CLOUD_EXTENSIONS: [&str; 1] = ["pcd"];
+const CLOUD_EXTENSIONS: [&str; 5] = ["pcd", "bin", "npy", "ply", "pcd.bin"];
+
+/// A rig in our own form, of which there may be one in the calibration folder.
+const RIG_FILES: [&str; 3] = ["rig.json", "rig.yaml", "rig.yml"];
 
 /// A JRDB tree on disk, for example `train_dataset_with_activity`.
 ///
@@ -61,21 +64,25 @@ impl Dataset {
         let mut names = BTreeSet::new();
         for folder in [labels::BOXES, labels::SPACE, labels::SOCIAL] {
             let files = file::list(&self.root.join(LABELS).join(folder))?;
-            let files = files.into_iter().filter(|path| has_extension(path, &["json"]));
-            names.extend(files.filter_map(|path| name(path.file_stem())));
+            names.extend(files.iter().filter_map(|path| stem(path, &["json"])).map(String::from));
         }
         Ok(names.into_iter().collect())
     }
 
-    /// Numbers of the frames of a sequence that have a stitched image or a cloud, sorted.
+    /// Numbers of the frames of a sequence that have a stitched image or a cloud of any LiDAR, sorted.
     ///
     /// # Errors
     /// [`Error::Absent`] when the sequence has no folder of either, [`Error::Read`] when one cannot be
     /// listed.
     pub fn frames(&self, sequence: &str) -> Result<Vec<u32>, Error> {
         let images = self.images(sequence);
-        let clouds = LIDARS.map(|(sensor, _)| self.sweeps(sensor, sequence));
-        if !images.is_dir() && !clouds.iter().any(|folder| folder.is_dir()) {
+        let sensors = file::list(&self.root.join(CLOUDS))?;
+        let clouds: Vec<PathBuf> = sensors
+            .iter()
+            .map(|sensor| sensor.join(sequence))
+            .filter(|path| path.is_dir())
+            .collect();
+        if !images.is_dir() && clouds.is_empty() {
             let expected = format!("images or clouds of sequence {sequence:?}");
             return Err(Error::Absent { expected, path: self.root.clone() });
         }
@@ -86,16 +93,29 @@ impl Dataset {
         Ok(frames.into_iter().collect())
     }
 
-    /// The rig by JRDB's official model, from `calibration/cameras.yaml` and `defaults.yaml`.
-    ///
-    /// The panorama's size is that of `defaults.yaml`; its focal length and horizon are the medians of
-    /// K\[1,1\] and K\[1,2\] over the sensors 0, 2, 4, 6 and 8. Of the cameras only K is read.
+    /// The rig: from `calibration/rig.json`, `rig.yaml` or `rig.yml` where one is there
+    /// (see [`rig::read`]), else from JRDB's own files by the official model.
     ///
     /// # Errors
-    /// [`Error::Read`], [`Error::Yaml`], or [`Error::Content`] for missing sensors, wrong counts,
-    /// numbers that are not finite, and LiDARs turned about x or y.
+    /// Those of [`rig::read`] or [`OfficialCalibration::read`], and [`Error::Content`] when there are two
+    /// rig files.
     pub fn rig(&self) -> Result<Rig, Error> {
-        calibration::read_rig(&self.root.join(CALIBRATION))
+        let folder = self.root.join(CALIBRATION);
+        let found: Vec<&str> =
+            RIG_FILES.into_iter().filter(|name| folder.join(name).is_file()).collect();
+        match found[..] {
+            [] => Ok(OfficialCalibration::read(&folder)?.rig()),
+            [name] => rig::read(&folder.join(name)),
+            _ => Err(Error::content(&folder, "one rig file", found.join(" and "))),
+        }
+    }
+
+    /// What `calibration/cameras.yaml` and `defaults.yaml` say by JRDB's official model.
+    ///
+    /// # Errors
+    /// See [`OfficialCalibration::read`].
+    pub fn official_calibration(&self) -> Result<OfficialCalibration, Error> {
+        OfficialCalibration::read(&self.root.join(CALIBRATION))
     }
 
     /// The stitched image of a frame.
@@ -111,16 +131,25 @@ impl Dataset {
         image::read_image(&path)
     }
 
-    /// The sweeps of a frame, upper LiDAR first.
+    /// The sweeps of a frame, one for each of the rig's LiDARs and in their order, from
+    /// `pointclouds/<lidar>/<sequence>/<frame>` with the name of a format that [`cloud::read`] knows.
     ///
     /// A cloud that is absent or broken, and points without a finite position, are issues; the rest
     /// goes on.
     #[must_use]
-    pub fn clouds(&self, sequence: &str, frame: u32) -> (Vec<PointCloud>, Vec<Issue>) {
+    pub fn clouds(
+        &self,
+        sequence: &str,
+        frame: u32,
+        lidars: &[Lidar],
+    ) -> (Vec<PointCloud>, Vec<Issue>) {
         let (mut clouds, mut issues) = (Vec::new(), Vec::new());
-        for (sensor, _) in LIDARS {
-            let place = format!("{CLOUDS}/{sensor}/{sequence}/{frame:06}.pcd");
-            match self.cloud(sensor, sequence, frame) {
+        for lidar in lidars {
+            let folder = self.sweeps(&lidar.name, sequence);
+            let file = find(&folder, frame, &CLOUD_EXTENSIONS)
+                .unwrap_or_else(|| folder.join(format!("{frame:06}.pcd")));
+            let place = file.strip_prefix(&self.root).unwrap_or(&file).display();
+            match cloud(&file, &lidar.name) {
                 Ok(cloud) => {
                     if cloud.skipped > 0 {
                         let points = cloud.skipped;
@@ -136,14 +165,6 @@ impl Dataset {
             }
         }
         (clouds, issues)
-    }
-
-    /// One sweep, or why there is none, without host paths.
-    fn cloud(&self, sensor: &str, sequence: &str, frame: u32) -> Result<PointCloud, String> {
-        let path = find(&self.sweeps(sensor, sequence), frame, &CLOUD_EXTENSIONS)
-            .ok_or_else(|| String::from("no such file"))?;
-        let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
-        pcd::parse(&bytes, sensor).map_err(|error| chain(&error))
     }
 
     /// The labels of a sequence, from whichever of `labels_2d_stitched`, `labels_3d` and
@@ -165,18 +186,38 @@ impl Dataset {
     }
 }
 
+/// One sweep, or why there is none, without host paths.
+fn cloud(path: &Path, sensor: &str) -> Result<PointCloud, String> {
+    if !path.is_file() {
+        return Err("no such file".into());
+    }
+    match cloud::read(path, sensor) {
+        Ok(cloud) => Ok(cloud),
+        Err(Error::Cloud { source, .. }) => Err(chain(&source)),
+        Err(Error::Read { source, .. }) => Err(source.to_string()),
+        Err(error) => Err(chain(&error)),
+    }
+}
+
 fn name(part: Option<&std::ffi::OsStr>) -> Option<String> {
     part?.to_str().map(String::from)
 }
 
-fn has_extension(path: &Path, extensions: &[&str]) -> bool {
-    path.extension().is_some_and(|found| extensions.iter().any(|known| found == *known))
+/// The name before its extension, which may have a dot of its own, if it is one of these.
+fn stem<'a>(path: &'a Path, extensions: &[&str]) -> Option<&'a str> {
+    let name = path.file_name()?.to_str()?;
+    let stem = |extension: &&str| name.strip_suffix(extension)?.strip_suffix('.');
+    extensions.iter().filter_map(stem).min_by_key(|stem| stem.len())
+}
+
+fn frame_of(path: &Path, extensions: &[&str]) -> Option<u32> {
+    file::number(stem(path, extensions)?)
 }
 
 /// The frame numbers of a folder's files of a kind.
 fn numbered(folder: &Path, extensions: &[&str]) -> Result<Vec<u32>, Error> {
-    let files = file::list(folder)?.into_iter().filter(|path| has_extension(path, extensions));
-    Ok(files.filter_map(|path| frame_of(&path)).collect())
+    let files = file::list(folder)?;
+    Ok(files.iter().filter_map(|path| frame_of(path, extensions)).collect())
 }
 
 /// A frame's file: six digits as in JRDB, else any file whose integer stem is the frame's number.
@@ -184,10 +225,6 @@ fn find(folder: &Path, frame: u32, extensions: &[&str]) -> Option<PathBuf> {
     let usual = extensions.iter().map(|extension| folder.join(format!("{frame:06}.{extension}")));
     usual.into_iter().find(|path| path.is_file()).or_else(|| {
         let mut files = file::list(folder).ok()?.into_iter();
-        files.find(|path| has_extension(path, extensions) && frame_of(path) == Some(frame))
+        files.find(|path| frame_of(path, extensions) == Some(frame))
     })
-}
-
-fn frame_of(path: &Path) -> Option<u32> {
-    file::frame_number(path.file_name()?.to_str()?)
 }

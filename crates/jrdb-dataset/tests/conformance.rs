@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::pcd::{self, Encoding};
-use jrdb_dataset::{Dataset, read_detections, read_image, read_pcd, read_questions};
+use jrdb_dataset::{Dataset, cloud, read_detections, read_image, read_questions};
 use jrdb_types::ImageGeometry;
 
 /// The folder of research data, unless it is absent.
@@ -40,13 +40,14 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
 #[test]
 fn conformance_the_official_calibration_gives_the_official_constants() {
     let Some(dataset) = sample() else { return };
-    let rig = dataset.rig().unwrap();
-    assert!((rig.panorama.focal_px - 482.924).abs() < 1e-9);
-    assert!((rig.panorama.horizon_px - 209.383).abs() < 1e-9);
-    assert_eq!((rig.panorama.width_px, rig.panorama.height_px), (3760, 480));
-    assert_eq!(rig.lidars[0].name, "upper_velodyne");
-    assert_eq!((rig.lidars[0].yaw_rad, rig.lidars[0].offset_m), (0.085, [0.0, 0.0, -0.33529]));
-    assert_eq!((rig.lidars[1].yaw_rad, rig.lidars[1].offset_m), (0.0, [0.0, 0.0, 0.13511]));
+    let official = dataset.official_calibration().unwrap();
+    assert!((official.panorama.focal_px - 482.924).abs() < 1e-9);
+    assert!((official.panorama.horizon_px - 209.383).abs() < 1e-9);
+    assert_eq!((official.panorama.width_px, official.panorama.height_px), (3760, 480));
+    let [upper, lower] = &official.lidars[..] else { panic!("two lidars") };
+    assert_eq!(upper.name, "upper_velodyne");
+    assert_eq!((upper.yaw_rad, upper.offset_m), (0.085, [0.0, 0.0, -0.33529]));
+    assert_eq!((lower.yaw_rad, lower.offset_m), (0.0, [0.0, 0.0, 0.13511]));
 }
 
 #[test]
@@ -55,7 +56,7 @@ fn conformance_every_cloud_has_as_many_points_as_its_header_says() {
     let paths = files(dataset.root(), "pcd");
     assert!(!paths.is_empty());
     for path in paths {
-        let cloud = read_pcd(&path, "lidar").unwrap();
+        let cloud = cloud::read(&path, "lidar").unwrap();
         let bytes = fs::read(&path).unwrap();
         let header = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]).into_owned();
         let points = header.lines().find_map(|line| line.strip_prefix("POINTS ")).unwrap();
@@ -72,6 +73,22 @@ fn conformance_every_cloud_has_as_many_points_as_its_header_says() {
 }
 
 #[test]
+fn conformance_bare_floats_are_sweeps() {
+    let Some(folder) = shared() else { return };
+    let folders = ["jrdb-sample/extra_lower_velodyne_bin", "kitti-sample/training/velodyne"];
+    let folders = folders.map(|name| folder.join("data").join(name)).into_iter();
+    let paths: Vec<PathBuf> =
+        folders.filter(|path| path.is_dir()).flat_map(|path| files(&path, "bin")).collect();
+    for path in paths {
+        let cloud = cloud::read(&path, "lidar").unwrap();
+        assert_eq!(16 * (cloud.len() + cloud.skipped) as u64, fs::metadata(&path).unwrap().len());
+        let range = |i: usize| cloud.x[i].hypot(cloud.y[i]).hypot(cloud.z[i]);
+        assert!((0..cloud.len()).all(|i| range(i) < 200.0), "metres in {path:?}");
+        assert!(cloud.intensity.iter().all(|&value| (0.0..=255.0).contains(&value)), "{path:?}");
+    }
+}
+
+#[test]
 fn conformance_every_frame_has_a_panorama_and_two_sweeps() {
     let Some(dataset) = sample() else { return };
     let sequences = dataset.sequences().unwrap();
@@ -80,7 +97,8 @@ fn conformance_every_frame_has_a_panorama_and_two_sweeps() {
         for frame in dataset.frames(&sequence).unwrap() {
             let image = dataset.image(&sequence, frame).unwrap();
             assert_eq!((image.width, image.height), (3760, 480));
-            let (clouds, issues) = dataset.clouds(&sequence, frame);
+            let lidars = dataset.rig().unwrap().lidars;
+            let (clouds, issues) = dataset.clouds(&sequence, frame, &lidars);
             assert_eq!((clouds.len(), issues), (2, vec![]));
         }
     }

@@ -6,12 +6,12 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::PathBuf;
 
-use jrdb_dataset::{Dataset, LabelledFrame, TreeWriter};
+use jrdb_dataset::{Dataset, LabelledFrame, LidarMount, OfficialCalibration, TreeWriter};
 use jrdb_types::detection::Interaction;
 use jrdb_types::vocab::Occlusion;
 use jrdb_types::{
     Action, Age, Attributes, Belief, Box3d, CylindricalPanorama, Detection, Detections, EntityId,
-    FrameId, Gender, Image, IssueKind, LidarMount, PixelBox, PointCloud, Race, Rig,
+    FrameId, Gender, Image, ImageGeometry, IssueKind, LensModel, Lidar, PixelBox, PointCloud, Race,
 };
 
 /// An empty folder for one test.
@@ -22,7 +22,7 @@ fn folder(test: &str) -> PathBuf {
     root
 }
 
-fn rig() -> Rig {
+fn calibration() -> OfficialCalibration {
     let panorama = CylindricalPanorama {
         width_px: 376,
         height_px: 48,
@@ -36,7 +36,15 @@ fn rig() -> Rig {
     };
     let lidars =
         vec![mount("upper_velodyne", -0.33529, 0.085), mount("lower_velodyne", 0.13511, 0.0)];
-    Rig { panorama, lidars }
+    OfficialCalibration { panorama, lidars }
+}
+
+fn geometry() -> ImageGeometry {
+    LensModel::Cylindrical(calibration().panorama).image()
+}
+
+fn lidars() -> Vec<Lidar> {
+    calibration().rig().lidars
 }
 
 fn frame(frame: u32) -> FrameId {
@@ -55,6 +63,7 @@ fn person(number: u32, x: f64) -> Detection {
             gender: Belief::certain(Gender::Female),
             race: Belief::certain(Race::Asian),
             action: Belief::certain(Action::GoingDown),
+            facing: Belief::default(),
         },
         interactions: Vec::new(),
         occlusion: Some(Occlusion::MostlyVisible),
@@ -88,7 +97,7 @@ fn labelled() -> LabelledFrame {
     };
     let detections = Detections {
         frame: frame(3),
-        image: rig().panorama.image(),
+        image: geometry(),
         detections: vec![talker, listener, stranger, table],
         issues: vec![],
     };
@@ -114,7 +123,7 @@ fn what_is_written_is_read_back() {
     let root = folder("round-trip");
     let writer = TreeWriter::new(&root);
     let image = Image::filled(376, 48, [1, 2, 3]);
-    writer.rig(&rig()).unwrap();
+    writer.calibration(&calibration()).unwrap();
     writer.image(&frame(3), &image).unwrap();
     for sensor in ["upper_velodyne", "lower_velodyne"] {
         writer.cloud(&frame(3), &cloud(sensor)).unwrap();
@@ -125,14 +134,15 @@ fn what_is_written_is_read_back() {
     assert_eq!(dataset.root(), root);
     assert_eq!(dataset.sequences().unwrap(), [frame(3).sequence]);
     assert_eq!(dataset.frames(&frame(3).sequence).unwrap(), [3]);
-    assert_eq!(dataset.rig().unwrap(), rig());
+    assert_eq!(dataset.official_calibration().unwrap(), calibration());
+    assert_eq!(dataset.rig().unwrap(), calibration().rig());
     assert_eq!(dataset.image(&frame(3).sequence, 3).unwrap(), image);
-    let (clouds, issues) = dataset.clouds(&frame(3).sequence, 3);
+    let (clouds, issues) = dataset.clouds(&frame(3).sequence, 3, &lidars());
     assert_eq!((clouds, issues), (vec![cloud("upper_velodyne"), cloud("lower_velodyne")], vec![]));
 
     let labels = dataset.labels(&frame(3).sequence).unwrap();
     assert_eq!(labels.frames(), [3]);
-    let found = labels.detections(&frame(3), rig().panorama.image());
+    let found = labels.detections(&frame(3), geometry());
     let expected = labelled().detections;
     assert_eq!(found.issues, []);
     for (found, expected) in found.detections.iter().zip(&expected.detections) {
@@ -185,7 +195,7 @@ fn an_interaction_said_by_one_is_written_on_both() {
     labelled.detections.detections[1].interactions.clear();
     TreeWriter::new(&root).labels("cafe", &[labelled]).unwrap();
     let found = Dataset::open(&root).unwrap().labels("cafe").unwrap();
-    let found = found.detections(&frame(3), rig().panorama.image());
+    let found = found.detections(&frame(3), geometry());
     assert_eq!(
         found.detections[1].interactions,
         [with(1, "conversation"), with(1, "standing together")]
@@ -197,7 +207,7 @@ fn the_same_labels_give_the_same_bytes() {
     let [a, b] = ["once", "twice"].map(|test| {
         let root = folder(test);
         TreeWriter::new(&root).labels("cafe", &[labelled()]).unwrap();
-        TreeWriter::new(&root).rig(&rig()).unwrap();
+        TreeWriter::new(&root).calibration(&calibration()).unwrap();
         ["labels/labels_2d_activity_social_stitched/cafe.json", "calibration/cameras.yaml"]
             .map(|path| fs::read(root.join(path)).unwrap())
     });
@@ -220,10 +230,10 @@ fn clouds_that_are_absent_or_broken_are_issues_and_the_others_go_on() {
     let writer = TreeWriter::new(&root);
     writer.image(&frame(0), &Image::filled(2, 2, [0; 3])).unwrap();
     let mut partly_nowhere = cloud("lower_velodyne");
-    partly_nowhere.x[0] = f64::NAN;
+    partly_nowhere.x[0] = f32::NAN;
     writer.cloud(&frame(0), &partly_nowhere).unwrap();
     let dataset = Dataset::open(&root).unwrap();
-    let (clouds, issues) = dataset.clouds(&frame(0).sequence, 0);
+    let (clouds, issues) = dataset.clouds(&frame(0).sequence, 0, &lidars());
     assert_eq!((clouds.len(), clouds[0].len(), clouds[0].skipped), (1, 1, 1));
     let kinds: Vec<_> = issues.iter().map(|issue| issue.kind).collect();
     assert_eq!(kinds, [IssueKind::MissingInput, IssueKind::SkippedPoints]);
@@ -235,8 +245,65 @@ fn clouds_that_are_absent_or_broken_are_issues_and_the_others_go_on() {
     let broken = root.join("pointclouds/upper_velodyne").join(frame(0).sequence);
     fs::create_dir_all(&broken).unwrap();
     fs::write(broken.join("000000.pcd"), "VERSION 0.7\n").unwrap();
-    let (_, issues) = dataset.clouds(&frame(0).sequence, 0);
+    let (_, issues) = dataset.clouds(&frame(0).sequence, 0, &lidars());
     assert!(issues[0].message.ends_with("DATA line, found the end of the file"), "{issues:?}");
+}
+
+/// A cloud of one point as every kind of file: name ending, and bytes.
+fn one_point() -> [(&'static str, Vec<u8>); 5] {
+    let floats = |n| [1.0_f32, 2.0, 3.0, 4.0, 5.0][..n].iter().flat_map(|v| v.to_le_bytes());
+    let npy = "{'descr': '<f4', 'fortran_order': False, 'shape': (1, 4)}";
+    let npy = [b"\x93NUMPY\x01\x00", &[npy.len() as u8, 0][..], npy.as_bytes()].concat();
+    let pcd = "FIELDS x y z intensity\nSIZE 4 4 4 4\nTYPE F F F F\nPOINTS 1\nDATA ascii\n1 2 3 4\n";
+    let ply = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+        property float z\nproperty float intensity\nend_header\n1 2 3 4\n";
+    [
+        ("pcd", pcd.into()),
+        ("bin", floats(4).collect()),
+        ("npy", npy.into_iter().chain(floats(4)).collect()),
+        ("ply", ply.into()),
+        ("pcd.bin", floats(5).collect()),
+    ]
+}
+
+#[test]
+fn another_robot_is_a_rig_file_and_clouds_of_any_kind_in_folders_of_its_lidars_names() {
+    let root = folder("robot");
+    TreeWriter::new(&root).labels("walk", &[]).unwrap();
+    let mut lidars = Vec::new();
+    for (frame, (ending, bytes)) in one_point().into_iter().enumerate() {
+        let name = format!("lidar_{frame}");
+        let sweeps = root.join("pointclouds").join(&name).join("walk");
+        fs::create_dir_all(&sweeps).unwrap();
+        fs::write(sweeps.join(format!("000004.{ending}")), &bytes).unwrap();
+        fs::write(sweeps.join(format!("{}.{ending}", frame + 10)), &bytes).unwrap();
+        lidars.push(format!("{{ name: {name}, frame: base }}"));
+    }
+    let text = format!(
+        "schema: jrdb.rig\nschema_version: 2\ndata:\n  base: base\n  cameras:\n    - name: ring\n      \
+         frame: base\n      lens: {{ model: equirectangular, width_px: 8, height_px: 4 }}\n  \
+         lidars: [{}]\n",
+        lidars.join(", ")
+    );
+    fs::create_dir_all(root.join("calibration")).unwrap();
+    fs::write(root.join("calibration/rig.yaml"), &text).unwrap();
+
+    let dataset = Dataset::open(&root).unwrap();
+    assert_eq!(dataset.frames("walk").unwrap(), [4, 10, 11, 12, 13, 14]);
+    let rig = dataset.rig().unwrap();
+    let (clouds, issues) = dataset.clouds("walk", 4, &rig.lidars);
+    assert_eq!((clouds.len(), issues), (5, vec![]));
+    for (cloud, lidar) in clouds.iter().zip(&rig.lidars) {
+        assert_eq!(cloud.sensor, lidar.name);
+        assert_eq!((cloud.x[0], cloud.y[0], cloud.z[0]), (1.0, 2.0, 3.0), "{}", cloud.sensor);
+        assert_eq!(cloud.intensity, [4.0], "{}", cloud.sensor);
+    }
+    let (clouds, issues) = dataset.clouds("walk", 12, &rig.lidars);
+    assert_eq!((clouds[0].sensor.as_str(), issues.len()), ("lidar_2", 4));
+
+    fs::write(root.join("calibration/rig.yml"), &text).unwrap();
+    let error = dataset.rig().unwrap_err().to_string();
+    assert!(error.starts_with("expected one rig file, found rig.yaml and rig.yml, in"), "{error}");
 }
 
 #[test]
@@ -307,7 +374,7 @@ fn calibration_files_with_a_fault_say_which() {
         ("defaults.yaml", "image:", "picture:", "expected lidar mounts and an image size"),
     ];
     for (file, old, new, expected) in cases {
-        writer.rig(&rig()).unwrap();
+        writer.calibration(&calibration()).unwrap();
         let path = root.join("calibration").join(file);
         let text = fs::read_to_string(&path).unwrap();
         assert!(text.contains(old), "{old}");
@@ -315,11 +382,11 @@ fn calibration_files_with_a_fault_say_which() {
         let error = dataset.rig().unwrap_err().to_string();
         assert!(error.starts_with(expected) && error.contains(file), "{error}");
     }
-    writer.rig(&rig()).unwrap();
+    writer.calibration(&calibration()).unwrap();
     let path = root.join("calibration/cameras.yaml");
     let list = fs::read_to_string(&path).unwrap().replace("D: 0 0 0 0 0", "D: [0, 0, 0, 0, 0]");
     fs::write(&path, list).unwrap();
-    assert_eq!(dataset.rig().unwrap(), rig());
+    assert_eq!(dataset.official_calibration().unwrap(), calibration());
 }
 
 #[test]
@@ -327,7 +394,7 @@ fn what_cannot_be_written_in_jrdb_s_form_is_refused() {
     let writer = TreeWriter::new(&folder("refused"));
     assert!(writer.cloud(&frame(0), &cloud("front_livox")).is_err());
     assert!(writer.image(&frame(0), &Image::filled(0, 2, [0; 3])).is_err());
-    let mut one_lidar = rig();
+    let mut one_lidar = calibration();
     one_lidar.lidars.pop();
-    assert!(writer.rig(&one_lidar).is_err());
+    assert!(writer.calibration(&one_lidar).is_err());
 }

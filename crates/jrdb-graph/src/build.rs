@@ -79,7 +79,7 @@ fn node(entity: &Entity) -> Node {
         bbox: entity.bbox,
         attributes: entity.attributes.clone(),
         center: entity.position.map(|position| position.center),
-        heading_rad: entity.heading_rad,
+        heading_rad: entity.heading.map(|heading| heading.angle_rad),
         from_robot: entity.from_robot,
     }
 }
@@ -101,7 +101,9 @@ mod tests {
             occlusion,
             position: None,
             box3d: None,
-            heading_rad: None,
+            heading: None,
+            velocity_mps: None,
+            floor: None,
             from_robot: None,
         }
     }
@@ -109,7 +111,7 @@ mod tests {
     fn pair(subject: u32, object: u32, distance: DistanceWord) -> PairRelation {
         let relation = SpatialRelation { distance: Some(distance), ..SpatialRelation::default() };
         let id = |n| EntityId::new("pedestrian", n);
-        PairRelation { subject: id(subject), object: id(object), relation }
+        PairRelation::of(id(subject), id(object), relation)
     }
 
     fn scene() -> Entities {
@@ -123,6 +125,7 @@ mod tests {
             lateral: LateralConvention::Physical,
             entities: vec![second, person(1, Some(Occlusion::FullyOccluded)), person(3, None)],
             relations: vec![pair(2, 1, DistanceWord::Close), pair(1, 3, DistanceWord::Far)],
+            between: Vec::new(),
             issues: Vec::new(),
         }
     }

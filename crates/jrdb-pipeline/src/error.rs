@@ -17,6 +17,9 @@ pub enum Error {
         /// Why.
         source: jrdb_projection::Error,
     },
+    /// The rig is unusable.
+    #[error("the rig is unusable: {}", with_causes(.0))]
+    Rig(jrdb_projection::RigError),
     /// The labels of a frame's sequence cannot be read.
     #[error("{0}")]
     Labels(String),

@@ -1,20 +1,26 @@
 //! One frame through all stages, in memory.
 
+use std::sync::Arc;
+
+use jrdb_calibration::FloorConfig;
 use jrdb_graph::GraphConfig;
 use jrdb_metrics::MetricsConfig;
-use jrdb_projection::ProjectionConfig;
+use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors};
 use jrdb_search::SearchConfig;
 use jrdb_types::{
-    Answer, Detections, Entities, Image, Issue, PointCloud, Query, Question, Rig, SceneGraph,
+    Answer, Detections, Entities, FloorPlane, Image, Issue, PointCloud, Query, Question, SceneGraph,
 };
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::source::Robot;
 
 /// Configuration of every stage behind perception.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PipelineConfig {
+    /// The floor in the cloud.
+    pub floor: FloorConfig,
     /// Cloud and boxes to entities.
     pub projection: ProjectionConfig,
     /// Entities to a graph.
@@ -35,7 +41,7 @@ pub struct FrameInput {
     /// One sweep per LiDAR, in the sensors' frames.
     pub clouds: Vec<PointCloud>,
     /// The sensors and their mounts.
-    pub rig: Rig,
+    pub robot: Arc<Robot>,
     /// What of the sweeps is missing.
     pub cloud_issues: Vec<Issue>,
 }
@@ -71,13 +77,29 @@ pub struct FrameOutput {
 pub fn place(
     detections: &Detections,
     (clouds, cloud_issues): (&[PointCloud], &[Issue]),
-    rig: &Rig,
-    config: &ProjectionConfig,
+    robot: &Robot,
+    config: &PipelineConfig,
 ) -> Result<Entities, Error> {
     let fail = |source| Error::Projection { frame: detections.frame.to_string(), source };
-    let mut entities = jrdb_projection::project(detections, clouds, rig, config).map_err(fail)?;
+    let scan = Scan {
+        camera: robot.camera.as_deref(),
+        floor: floor(clouds, robot, &config.floor),
+        ..Scan::new(clouds, &robot.rig)
+    };
+    let mut entities =
+        jrdb_projection::project(detections, &scan, &config.projection).map_err(fail)?;
     entities.issues.splice(0..0, cloud_issues.iter().cloned());
     Ok(entities)
+}
+
+/// The floor under the robot, where enough of it is seen.
+fn floor(clouds: &[PointCloud], robot: &Robot, config: &FloorConfig) -> Option<FloorPlane> {
+    let sensors = Sensors::new(&robot.rig, robot.camera.as_deref()).ok()?;
+    let cloud = BaseCloud::merge(clouds, &sensors, &mut Vec::new());
+    let points: Vec<_> = (0..cloud.len()).map(|i| cloud.point(i)).collect();
+    let floor = jrdb_calibration::fit_floor(&points, config).ok()?;
+    let [x, y, z] = floor.normal;
+    Some(FloorPlane { height_m: floor.height_m, slope: [-x / z, -y / z] })
 }
 
 /// Projects, builds the graph, and answers every question.
@@ -90,7 +112,7 @@ pub fn process(
     config: &PipelineConfig,
 ) -> Result<FrameOutput, Error> {
     let sweeps = (input.clouds.as_slice(), input.cloud_issues.as_slice());
-    let entities = place(&input.detections, sweeps, &input.rig, &config.projection)?;
+    let entities = place(&input.detections, sweeps, &input.robot, config)?;
     let graph = jrdb_graph::build(&entities, &config.graph);
     let ask = |question: &Question| {
         let query = jrdb_parser::parse(&question.text);

@@ -89,7 +89,7 @@ impl Perceiver {
         for frame in frames {
             let sequence = &frame.id.sequence;
             if !detections.contains_key(sequence) {
-                let image = frame.rig.panorama.image();
+                let image = frame.robot.image;
                 detections.insert(
                     sequence.clone(),
                     jrdb_dataset::read_detections(path, sequence, image)?,
@@ -137,7 +137,7 @@ impl Perceiver {
     }
 
     fn look(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
-        let geometry = frame.rig.panorama.image();
+        let geometry = frame.robot.image;
         let nothing = |message: String| Detections {
             frame: frame.id.clone(),
             image: geometry,

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use crate::engine::EngineOptions;
 use crate::output::{Layout, Writer};
 use crate::perceive::{Perceiver, PerceptionSource};
-use crate::source::{self, FrameSource, Source};
+use crate::source::{self, FrameSource, RobotOptions, Source};
 use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
 
 /// What to run, on what, and where to write.
@@ -18,6 +18,8 @@ use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
 pub struct RunOptions {
     /// Where frames come from.
     pub sources: Vec<Source>,
+    /// Which rig and camera, where not the tree's own.
+    pub robot: RobotOptions,
     /// Which frame numbers; all when absent.
     pub frames: Option<Range<u32>>,
     /// Where detections come from.
@@ -69,7 +71,8 @@ pub struct RunResult {
 /// # Errors
 /// When there is no frame, or a dataset, question file, model or output folder is unusable.
 pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
-    let frame_sources = source::list_frames(&options.sources, options.frames.as_ref())?;
+    let frame_sources =
+        source::list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
     let questions = frame_questions(options, &frame_sources)?;
     let perceiver =
         Perceiver::open(&options.perception, &frame_sources, &options.models, &options.engine)?;
@@ -130,8 +133,8 @@ fn run_frame(
     let image = frame.image();
     let detections = perceiver.detect(frame, &image)?;
     let (clouds, cloud_issues) = frame.clouds();
-    let (image, rig) = (image.ok(), (*frame.rig).clone());
-    let input = FrameInput { detections, image, clouds, rig, cloud_issues };
+    let (image, robot) = (image.ok(), frame.robot.clone());
+    let input = FrameInput { detections, image, clouds, robot, cloud_issues };
     let output = process(&input, questions, config)?;
     if let Some(writer) = writer {
         writer.frame(&input, &output)?;
@@ -141,8 +144,8 @@ fn run_frame(
 
 /// The metrics' configuration, with the panorama's circumference when nobody has set it.
 fn metrics_config(options: &RunOptions, frames: &[FrameSource]) -> MetricsConfig {
-    let width_px = frames.first().map(|frame| f64::from(frame.rig.panorama.width_px));
-    let period_px = options.config.metrics.period_px.or(width_px);
+    let circumference_px = frames.first().and_then(|frame| frame.robot.image.period_px());
+    let period_px = options.config.metrics.period_px.or(circumference_px);
     MetricsConfig { period_px, ..options.config.metrics.clone() }
 }
 

@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::Dataset;
+use jrdb_projection::{CameraModel, Sensors};
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{FrameId, Image, Issue, PointCloud, Question, Questions, Rig};
+use jrdb_types::{FrameId, Image, ImageGeometry, Issue, PointCloud, Question, Questions, Rig};
 
 use crate::{Error, with_causes};
 
@@ -47,13 +48,84 @@ impl Source {
     }
 }
 
+/// Which rig and which of its cameras to use, where not the tree's own.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RobotOptions {
+    /// A rig file, or a model of JRDB's own rig.
+    pub rig: RigChoice,
+    /// The camera that the images are from; the rig's first when absent.
+    pub camera: Option<String>,
+}
+
+/// Where a rig comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RigChoice {
+    /// `calibration/rig.yaml` of the tree, else JRDB's official model.
+    #[default]
+    Tree,
+    /// JRDB's stitched panorama as the five views that it is, fitted on one frame.
+    JrdbRefined,
+    /// A rig file.
+    File(PathBuf),
+}
+
+impl std::str::FromStr for RigChoice {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "tree" => Self::Tree,
+            "jrdb-refined" => Self::JrdbRefined,
+            path => Self::File(path.into()),
+        })
+    }
+}
+
+/// A rig, checked, and the camera in use.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Robot {
+    /// The sensors.
+    pub rig: Rig,
+    /// The camera that the images are from; the rig's first when absent.
+    pub camera: Option<String>,
+    /// Size of its images and whether they wrap.
+    pub image: ImageGeometry,
+}
+
+impl Robot {
+    /// Checks a rig and finds its camera.
+    ///
+    /// # Errors
+    /// When the rig is no tree of frames, or has no such camera.
+    pub fn new(rig: Rig, camera: Option<String>) -> Result<Self, Error> {
+        let sensors = Sensors::new(&rig, camera.as_deref()).map_err(Error::Rig)?;
+        let image = sensors.camera.image();
+        Ok(Self { rig, camera, image })
+    }
+
+    /// The rig of a tree, or the one chosen instead.
+    ///
+    /// # Errors
+    /// When its files cannot be read or it is unusable.
+    pub fn open(dataset: &Dataset, options: &RobotOptions) -> Result<Self, Error> {
+        let rig = match &options.rig {
+            RigChoice::Tree => dataset.rig()?,
+            RigChoice::JrdbRefined => {
+                jrdb_dataset::rig::jrdb_refined(&dataset.root().join("calibration"))?
+            }
+            RigChoice::File(path) => jrdb_dataset::rig::read(path)?,
+        };
+        Self::new(rig, options.camera.clone())
+    }
+}
+
 /// A frame whose files have not been read yet.
 #[derive(Debug, Clone)]
 pub struct FrameSource {
     /// The tree it is in.
     pub dataset: std::sync::Arc<Dataset>,
-    /// The rig of the tree.
-    pub rig: std::sync::Arc<Rig>,
+    /// The robot's sensors.
+    pub robot: std::sync::Arc<Robot>,
     /// Which frame.
     pub id: FrameId,
 }
@@ -68,12 +140,13 @@ pub struct FrameSource {
 pub fn list_frames(
     sources: &[Source],
     range: Option<&std::ops::Range<u32>>,
+    robot: &RobotOptions,
 ) -> Result<Vec<FrameSource>, Error> {
     let mut frames = Vec::new();
     let mut seen = BTreeSet::new();
     for source in sources {
         let dataset = std::sync::Arc::new(Dataset::open(source.root())?);
-        let rig = std::sync::Arc::new(dataset.rig()?);
+        let robot = std::sync::Arc::new(Robot::open(&dataset, robot)?);
         let sequences = match source {
             Source::Scene(_) => dataset.sequences()?,
             Source::Sequence { name, .. } => vec![name.clone()],
@@ -87,7 +160,7 @@ pub fn list_frames(
             for frame in dataset.frames(&sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
-                    frames.push(FrameSource { dataset: dataset.clone(), rig: rig.clone(), id });
+                    frames.push(FrameSource { dataset: dataset.clone(), robot: robot.clone(), id });
                 }
             }
         }
@@ -108,21 +181,21 @@ impl FrameSource {
         let missing = |message: String| Issue::new(IssueKind::MissingInput, message);
         let image = self.dataset.image(&self.id.sequence, self.id.frame);
         let image = image.map_err(|error| missing(without_root(&error, self.dataset.root())))?;
-        let expected = [self.rig.panorama.width_px, self.rig.panorama.height_px];
+        let expected = [self.robot.image.width_px, self.robot.image.height_px];
         let expected = expected.map(|side| side as usize);
         let found = [image.width, image.height];
         if found == expected {
             return Ok(image);
         }
         Err(missing(format!(
-            "expected a panorama of {expected:?} px as in the calibration, found {found:?}"
+            "expected an image of {expected:?} px as in the calibration, found {found:?}"
         )))
     }
 
     /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
     #[must_use]
     pub fn clouds(&self) -> (Vec<PointCloud>, Vec<Issue>) {
-        self.dataset.clouds(&self.id.sequence, self.id.frame)
+        self.dataset.clouds(&self.id.sequence, self.id.frame, &self.robot.rig.lidars)
     }
 }
 

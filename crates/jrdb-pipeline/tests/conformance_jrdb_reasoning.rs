@@ -49,6 +49,7 @@ fn attributes(value: &Value) -> Attributes {
         gender: belief(value, "gender", Gender::from_word),
         race: belief(value, "race", Race::from_word),
         action: belief(value, "action", Action::from_word),
+        facing: Belief::default(),
     }
 }
 
@@ -142,11 +143,7 @@ fn our_graph(frame: &Value) -> SceneGraph {
     for (subject, from, heading) in &placed {
         for (object, to, _) in placed.iter().filter(|(object, ..)| object != subject) {
             let relation = from_person(&(*from).into(), Some(*heading), &(*to).into(), ENGINE);
-            relations.push(PairRelation {
-                subject: subject.clone(),
-                object: object.clone(),
-                relation,
-            });
+            relations.push(PairRelation::of(subject.clone(), object.clone(), relation));
         }
     }
     let entities = Entities {
@@ -154,6 +151,7 @@ fn our_graph(frame: &Value) -> SceneGraph {
         lateral: ENGINE,
         entities: entities.collect(),
         relations,
+        between: Vec::new(),
         issues: Vec::new(),
     };
     let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };
@@ -186,7 +184,9 @@ fn entity(person: &Value, placed: &[(EntityId, [f64; 3], f64)]) -> Entity {
         occlusion,
         position: None,
         box3d: None,
-        heading_rad: None,
+        heading: None,
+        velocity_mps: None,
+        floor: None,
         from_robot,
     }
 }

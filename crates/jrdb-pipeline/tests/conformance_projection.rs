@@ -7,12 +7,15 @@ mod shared;
 use std::collections::BTreeMap;
 
 use jrdb_dataset::Dataset;
-use jrdb_projection::cloud::base_from_lidar;
+use jrdb_projection::box_view::BoxView;
+use jrdb_projection::heading::body_shape::shoulder_line;
+use jrdb_projection::localize::densest_range::{Target, densest_range};
 use jrdb_projection::nalgebra::{Point3, Vector3};
 use jrdb_projection::relation::{direction, distance, from_person, from_robot};
-use jrdb_projection::{CameraModel, ProjectionConfig, project};
+use jrdb_projection::select::points_in_boxes;
+use jrdb_projection::{BaseCloud, CameraModel, ProjectionConfig, Scan, Sensors, project};
 use jrdb_types::{
-    Detection, Detections, EntityId, FrameId, LateralConvention, Localizer, PixelBox,
+    Detection, Detections, Entity, EntityId, FrameId, LateralConvention, Localizer, PixelBox,
     SpatialRelation,
 };
 use shared::{shared, table};
@@ -36,16 +39,16 @@ fn conformance_projection_reference() {
     else {
         return;
     };
-    let rig = Dataset::open(&root).unwrap().rig().unwrap();
+    let sensors = Sensors::new(&Dataset::open(&root).unwrap().rig().unwrap(), None).unwrap();
     let (mut compared, mut worst_px) = (0, 0.0_f64);
     for row in &rows {
         let point = Point3::from(numbers(row, ["x", "y", "z"]));
         let base = match row["input_frame"].as_str() {
             "base" => point,
-            lidar => base_from_lidar(rig.lidars.iter().find(|m| m.name == lidar).unwrap()) * point,
+            lidar => sensors.lidars[lidar] * point,
         };
         let [u, v] = numbers(row, ["u", "v"]);
-        let pixel = rig.panorama.pixel_from_base(&base);
+        let pixel = sensors.camera.pixel_from_base(&base);
         if u.is_finite() && v.is_finite() {
             let pixel = pixel.unwrap();
             let du = (pixel.u - u).abs();
@@ -120,6 +123,7 @@ fn conformance_geometry_words() {
 struct Labelled {
     id: EntityId,
     center: [f64; 2],
+    heading_rad: f64,
     bbox: PixelBox,
 }
 
@@ -132,6 +136,7 @@ fn frame_zero() -> Option<Vec<Labelled>> {
     let labelled = rows.filter(|row| row[0] == 0.0).map(|row| Labelled {
         id: EntityId::new("pedestrian", row[1] as u32),
         center: [row[2], row[3]],
+        heading_rad: std::f64::consts::PI - row[7],
         bbox: PixelBox::from([row[8], row[9], row[10], row[11]]),
     });
     Some(labelled.collect())
@@ -163,30 +168,66 @@ fn conformance_positions_on_the_real_frame() {
     let (Some(people), Some(root)) = (frame_zero(), shared("data/jrdb-sample")) else { return };
     let dataset = Dataset::open(&root).unwrap();
     let rig = dataset.rig().unwrap();
-    let (clouds, issues) = dataset.clouds(SEQUENCE, 0);
+    let (clouds, issues) = dataset.clouds(SEQUENCE, 0, &rig.lidars);
     assert_eq!(issues, []);
-    let detections = detections(&people, rig.panorama.image());
-    let errors = |localizer| {
+    let detections = detections(&people, rig.cameras[0].lens.image());
+    let place = |localizer| {
         let config = ProjectionConfig { localizer, ..ProjectionConfig::default() };
-        let entities = project(&detections, &clouds, &rig, &config).unwrap().entities;
-        let error = |(entity, person): (&jrdb_types::Entity, &Labelled)| {
+        project(&detections, &Scan::new(&clouds, &rig), &config).unwrap().entities
+    };
+    let errors = |entities: &[Entity]| {
+        let error = |(entity, person): (&Entity, &Labelled)| {
             let [x, y, _] = entity.position.unwrap().center;
             (x - person.center[0]).hypot(y - person.center[1])
         };
         entities.iter().zip(&people).map(error).collect::<Vec<f64>>()
     };
-    let (mean, densest) = (errors(Localizer::Mean), errors(Localizer::DensestRange));
+    let placed = place(Localizer::DensestRange);
+    let (mean, densest) = (errors(&place(Localizer::Mean)), errors(&placed));
     println!(
-        "horizontal position error, metres\n{:<16}{:>8}{:>15}",
-        "person", "mean", "densest-range"
+        "horizontal position error, metres\n{:<16}{:>8}{:>15}{:>10}{:>8}{:>9}",
+        "person", "mean", "densest-range", "quality", "points", "visible"
     );
-    for ((person, mean), densest) in people.iter().zip(&mean).zip(&densest) {
-        println!("{:<16}{mean:>8.2}{densest:>15.2}", person.id.to_string());
+    for ((entity, mean), densest) in placed.iter().zip(&mean).zip(&densest) {
+        let position = entity.position.unwrap();
+        let (id, quality) = (entity.id.to_string(), position.quality.word());
+        let (points, visible) = (position.points_used, position.visible_fraction.unwrap());
+        println!("{id:<16}{mean:>8.2}{densest:>15.2}{quality:>10}{points:>8}{visible:>9.2}");
     }
     println!("{:<16}{:>8.3}{:>15.3}", "median", median(&mean), median(&densest));
     println!("{:<16}{:>8.3}{:>15.3}", "average", average(&mean), average(&densest));
     assert!((median(&mean) - 1.36).abs() < 0.01, "the reference's figure is 1.36 m");
-    assert!(median(&densest) <= 0.25);
+    assert!(median(&densest) <= 0.22 && average(&densest) <= 1.2);
+}
+
+#[test]
+fn conformance_shoulders_on_the_real_frame() {
+    let (Some(people), Some(root)) = (frame_zero(), shared("data/jrdb-sample")) else { return };
+    let dataset = Dataset::open(&root).unwrap();
+    let rig = dataset.rig().unwrap();
+    let clouds = dataset.clouds(SEQUENCE, 0, &rig.lidars).0;
+    let sensors = Sensors::new(&rig, None).unwrap();
+    let cloud = BaseCloud::merge(&clouds, &sensors, &mut Vec::new());
+    let config = ProjectionConfig::default();
+    let image = sensors.camera.image();
+    let off_deg = |person: &Labelled| {
+        let view = BoxView::new(&person.bbox, &sensors.camera);
+        let target = Target { bbox: &person.bbox, image, view, is_person: true };
+        let inside = points_in_boxes(&cloud, &[person.bbox], image);
+        let used = densest_range(&cloud, &inside[0], &target, &config)?.used;
+        let line = shoulder_line(&cloud, &used, &config.heading)?;
+        let off = (line.normal_rad - person.heading_rad).to_degrees().rem_euclid(180.0);
+        Some(off.min(180.0 - off))
+    };
+    let off: Vec<f64> = people.iter().filter_map(off_deg).collect();
+    let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+    println!(
+        "shoulders of {} of {}: median {:.1}, rms {rms:.1} degrees off the label",
+        off.len(),
+        people.len(),
+        median(&off)
+    );
+    assert!(off.len() >= 8 && median(&off) < 20.0);
 }
 
 fn median(values: &[f64]) -> f64 {
@@ -208,19 +249,22 @@ fn conformance_points_in_boxes_on_the_real_frame() {
     };
     let dataset = Dataset::open(&root).unwrap();
     let rig = dataset.rig().unwrap();
-    let cloud =
-        jrdb_projection::BaseCloud::merge(&dataset.clouds(SEQUENCE, 0).0, &rig, &mut Vec::new());
+    let sensors = Sensors::new(&rig, None).unwrap();
+    let clouds = dataset.clouds(SEQUENCE, 0, &rig.lidars).0;
+    let cloud = BaseCloud::merge(&clouds, &sensors, &mut Vec::new());
     let boxes: Vec<PixelBox> = rows
         .iter()
         .map(|row| PixelBox::from(numbers(row, ["box_x", "box_y", "box_w", "box_h"])))
         .collect();
-    let inside = jrdb_projection::select::points_in_boxes(&cloud, &boxes, rig.panorama.image());
+    let inside = points_in_boxes(&cloud, &boxes, sensors.camera.image());
     for (row, inside) in rows.iter().zip(&inside) {
-        assert_eq!(inside.len() as f64, number(row, "points_in_box"), "{}", row["label_id"]);
-        let mean = jrdb_projection::localize::mean(&cloud.points, inside).unwrap().center;
+        // Single precision moves points on the very edge of a box.
+        let more = inside.len() as f64 - number(row, "points_in_box");
+        assert!(more.abs() <= 2.0, "{}: {more} points more", row["label_id"]);
+        let mean = jrdb_projection::localize::mean(&cloud, inside).unwrap().center;
         let expected = Point3::from(numbers(row, ["mean_x", "mean_y", "mean_z"]));
         assert!(
-            (mean - expected).norm() < 1e-5,
+            (mean - expected).norm() < 0.02,
             "{}: {mean} instead of {expected}",
             row["label_id"]
         );

@@ -1,28 +1,28 @@
 //! Sweeps of several LiDARs in one frame, with the pixel of every point.
 
-use jrdb_types::{Issue, PointCloud, Rig, issue::IssueKind, rig::LidarMount};
-use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
+use jrdb_types::{Issue, PointCloud, issue::IssueKind};
+use nalgebra::{Isometry3, Point3};
 
-use crate::camera::CameraModel;
+use crate::camera::{Columns, Lens, PixelColumns};
+use crate::sensors::Sensors;
+use crate::simd::{Loop, vectorised};
 
 /// All points of a frame in the base frame (x forward, y left, z up), metres, with the pixel each
-/// falls on. The arrays are equally long; points without a pixel are left out.
+/// falls on. The columns are equally long.
+///
+/// Single precision: a LiDAR's ranges are good to millimetres, and at 100 m a step is 8 µm.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct BaseCloud {
-    /// Positions.
-    pub points: Vec<Point3<f64>>,
-    /// Columns, pixels.
-    pub u: Vec<f64>,
-    /// Rows, pixels.
-    pub v: Vec<f64>,
-}
-
-/// The transform `base_from_lidar`: a rotation about z after the offset is subtracted.
-#[must_use]
-pub fn base_from_lidar(mount: &LidarMount) -> Isometry3<f64> {
-    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), mount.yaw_rad);
-    let translation = -(yaw * Vector3::from(mount.offset_m));
-    Isometry3::from_parts(translation.into(), yaw)
+    /// Forward.
+    pub x: Vec<f32>,
+    /// Left.
+    pub y: Vec<f32>,
+    /// Up.
+    pub z: Vec<f32>,
+    /// Columns, pixels; NaN where the camera does not see the point.
+    pub u: Vec<f32>,
+    /// Rows, pixels; NaN where the camera does not see the point.
+    pub v: Vec<f32>,
 }
 
 impl BaseCloud {
@@ -30,48 +30,131 @@ impl BaseCloud {
     ///
     /// A sweep of a LiDAR that the rig does not know is left out and pushed to `issues`.
     #[must_use]
-    pub fn merge(clouds: &[PointCloud], rig: &Rig, issues: &mut Vec<Issue>) -> Self {
+    pub fn merge(clouds: &[PointCloud], sensors: &Sensors, issues: &mut Vec<Issue>) -> Self {
         let mut merged = Self::default();
-        for cloud in clouds {
-            match rig.lidars.iter().find(|mount| mount.name == cloud.sensor) {
-                Some(mount) => merged.push(cloud, &base_from_lidar(mount), &rig.panorama),
-                None => {
-                    let known: Vec<&str> = rig.lidars.iter().map(|m| m.name.as_str()).collect();
-                    let message =
-                        format!("the rig has no lidar {:?}, only {known:?}", cloud.sensor);
-                    issues.push(Issue::new(IssueKind::MissingInput, message));
-                }
-            }
-        }
+        merged.refill(clouds, sensors, issues);
         merged
     }
 
-    fn push(
+    /// [`BaseCloud::merge`] into a cloud whose memory is used again: what a stream of frames wants.
+    pub fn refill(&mut self, clouds: &[PointCloud], sensors: &Sensors, issues: &mut Vec<Issue>) {
+        let placed: Vec<(&PointCloud, &Isometry3<f64>)> =
+            clouds.iter().filter_map(|cloud| place(cloud, sensors, issues)).collect();
+        let total = placed.iter().map(|(cloud, _)| cloud.len()).sum();
+        for column in [&mut self.x, &mut self.y, &mut self.z, &mut self.u, &mut self.v] {
+            column.resize(total, 0.0);
+        }
+        let mut start = 0;
+        for (cloud, base_from_lidar) in placed {
+            self.write(start, cloud, base_from_lidar, sensors);
+            start += cloud.len();
+        }
+    }
+
+    /// Writes a sweep's points from `start` on.
+    fn write(
         &mut self,
+        start: usize,
         cloud: &PointCloud,
         base_from_lidar: &Isometry3<f64>,
-        camera: &dyn CameraModel,
+        sensors: &Sensors,
     ) {
-        for ((&x, &y), &z) in cloud.x.iter().zip(&cloud.y).zip(&cloud.z) {
-            let point = base_from_lidar * Point3::new(x, y, z);
-            if let Some(pixel) = camera.pixel_from_base(&point) {
-                self.points.push(point);
-                self.u.push(pixel.u);
-                self.v.push(pixel.v);
-            }
+        let camera_from_lidar = sensors.camera.camera_from_base * base_from_lidar;
+        let [to_base, to_camera] = &[base_from_lidar, &camera_from_lidar].map(Affine::of);
+        let lens: &dyn Lens = &sensors.camera.lens;
+        let mut camera = [[0.0; BLOCK]; 3];
+        for first in (0..cloud.len()).step_by(BLOCK) {
+            let from = first..(first + BLOCK).min(cloud.len());
+            let count = from.len();
+            let place = start + from.start..start + from.end;
+            let lidar = [&cloud.x, &cloud.y, &cloud.z].map(|column| &column[from.clone()]);
+            let base = [&mut self.x, &mut self.y, &mut self.z];
+            let base = base.map(|column| &mut column[place.clone()]);
+            let in_camera = camera.each_mut().map(|column| &mut column[..count]);
+            vectorised(Transform { to_base, to_camera, lidar, base, camera: in_camera });
+            let [x, y, z] = camera.each_ref().map(|column| &column[..count]);
+            let pixels = &mut PixelColumns { u: &mut self.u[place.clone()], v: &mut self.v[place] };
+            lens.pixels_from_camera(&Columns { x, y, z }, pixels);
         }
     }
 
     /// Number of points.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.points.len()
+        self.x.len()
     }
 
     /// Whether there is no point.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
+        self.x.is_empty()
+    }
+
+    /// One point, metres.
+    ///
+    /// # Panics
+    /// When there is no such point.
+    #[must_use]
+    pub fn point(&self, index: usize) -> Point3<f64> {
+        Point3::new(self.x[index], self.y[index], self.z[index]).cast()
+    }
+}
+
+/// Points in a block: their coordinates stay in the first-level cache.
+const BLOCK: usize = 1024;
+
+/// A sweep with the place of its LiDAR; an issue when the rig does not know it.
+fn place<'a>(
+    cloud: &'a PointCloud,
+    sensors: &'a Sensors,
+    issues: &mut Vec<Issue>,
+) -> Option<(&'a PointCloud, &'a Isometry3<f64>)> {
+    let found = sensors.lidars.get(&cloud.sensor);
+    if found.is_none() {
+        let known: Vec<&String> = sensors.lidars.keys().collect();
+        let message = format!("the rig has no lidar {:?}, only {known:?}", cloud.sensor);
+        issues.push(Issue::new(IssueKind::MissingInput, message));
+    }
+    found.map(|base_from_lidar| (cloud, base_from_lidar))
+}
+
+/// A rigid transform as twelve single-precision numbers.
+struct Affine([[f32; 4]; 3]);
+
+impl Affine {
+    fn of(isometry: &Isometry3<f64>) -> Self {
+        let matrix = isometry.to_homogeneous();
+        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| matrix[(row, column)] as f32)))
+    }
+
+    #[inline(always)]
+    fn apply(&self, x: f32, y: f32, z: f32) -> [f32; 3] {
+        self.0.map(|[a, b, c, t]| a * x + b * y + c * z + t)
+    }
+}
+
+/// Points of a LiDAR to the base frame and to the camera's at once; the columns are equally long.
+struct Transform<'a> {
+    to_base: &'a Affine,
+    to_camera: &'a Affine,
+    lidar: [&'a [f32]; 3],
+    base: [&'a mut [f32]; 3],
+    camera: [&'a mut [f32]; 3],
+}
+
+impl Loop for Transform<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y, z] = self.lidar;
+        let [bx, by, bz] = self.base;
+        let [cx, cy, cz] = self.camera;
+        let base = bx.iter_mut().zip(by).zip(bz);
+        let camera = cx.iter_mut().zip(cy).zip(cz);
+        let lidar = x.iter().zip(y).zip(z);
+        for ((((&x, &y), &z), ((bx, by), bz)), ((cx, cy), cz)) in lidar.zip(base).zip(camera) {
+            [*bx, *by, *bz] = self.to_base.apply(x, y, z);
+            [*cx, *cy, *cz] = self.to_camera.apply(x, y, z);
+        }
     }
 }
 
@@ -80,8 +163,8 @@ mod tests {
     use super::*;
     use crate::testing;
 
-    fn rig() -> Rig {
-        testing::rig([0.0, 0.0, -0.3], 0.1)
+    fn sensors() -> Sensors {
+        Sensors::new(&testing::rig([0.0, 0.0, 0.3], 0.1), None).unwrap()
     }
 
     fn sweep(sensor: &str) -> PointCloud {
@@ -90,21 +173,44 @@ mod tests {
     }
 
     #[test]
-    fn the_offset_is_subtracted_and_the_yaw_turns_left() {
-        let cloud = BaseCloud::merge(&[sweep("upper")], &rig(), &mut Vec::new());
+    fn points_are_moved_up_and_turned_to_the_left_as_their_lidar_is() {
+        let cloud = BaseCloud::merge(&[sweep("upper")], &sensors(), &mut Vec::new());
         let expected = Point3::new(0.1_f64.cos(), 0.1_f64.sin(), 0.3);
-        assert!((cloud.points[0] - expected).norm() < 1e-12);
+        assert!((cloud.point(0) - expected).norm() < 1e-6);
+        assert!(
+            (f64::from(cloud.u[0]) - (1880.0 - 0.1 * 3760.0 / std::f64::consts::TAU)).abs() < 1e-3
+        );
     }
 
     #[test]
-    fn points_without_a_pixel_are_left_out() {
-        assert_eq!(BaseCloud::merge(&[sweep("upper")], &rig(), &mut Vec::new()).len(), 1);
+    fn points_that_the_camera_does_not_see_have_no_pixel() {
+        let mut cloud = BaseCloud::merge(&[sweep("upper")], &sensors(), &mut Vec::new());
+        cloud.refill(&[sweep("upper")], &sensors(), &mut Vec::new());
+        assert_eq!(cloud.len(), 2);
+        assert!(cloud.u[1].is_nan() && cloud.v[1].is_nan());
+    }
+
+    #[test]
+    fn blocks_do_not_show() {
+        let count = 2 * BLOCK + 7;
+        let x: Vec<f32> = (0..count).map(|i| 1.0 + i as f32 * 0.01).collect();
+        let (y, z) = (vec![0.5; count], vec![0.25; count]);
+        let cloud = PointCloud { sensor: "upper".into(), x, y, z, ..PointCloud::default() };
+        let merged = BaseCloud::merge(&[cloud.clone(), cloud], &sensors(), &mut Vec::new());
+        assert_eq!(merged.len(), 2 * count);
+        for i in [0, 1, BLOCK - 1, BLOCK, 2 * BLOCK, count - 1] {
+            assert_eq!(merged.point(i), merged.point(count + i));
+            assert_eq!(merged.u[i], merged.u[count + i]);
+            let at = nalgebra::Rotation3::from_euler_angles(0.0, 0.0, 0.1)
+                * Point3::new(1.0 + i as f64 * 0.01, 0.5, 0.25);
+            assert!((merged.point(i) - at - nalgebra::Vector3::new(0.0, 0.0, 0.3)).norm() < 1e-5);
+        }
     }
 
     #[test]
     fn an_unknown_lidar_is_an_issue() {
         let mut issues = Vec::new();
-        assert!(BaseCloud::merge(&[sweep("rear")], &rig(), &mut issues).is_empty());
+        assert!(BaseCloud::merge(&[sweep("rear")], &sensors(), &mut issues).is_empty());
         assert_eq!(issues[0].message, r#"the rig has no lidar "rear", only ["upper"]"#);
     }
 }

@@ -3,6 +3,9 @@
 use jrdb_types::{LateralConvention, Localizer};
 use serde::{Deserialize, Serialize};
 
+use crate::heading::HeadingConfig;
+use crate::relation::RelationConfig;
+
 /// Configuration of [`crate::project`]. It is written into the artefact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -29,8 +32,20 @@ pub struct ProjectionConfig {
     /// Length along the heading and width across it of a person's 3D box, metres: medians of the labels of
     /// JRDB's sequence bytes-cafe-2019-02-07_0.
     pub person_footprint_m: [f64; 2],
-    /// A position from fewer points than this carries an issue.
+    /// A position from fewer points than this is poor and carries an issue; fewer points of a thing of unknown
+    /// size make no box.
     pub few_points: usize,
+    /// A position from fewer points than this is doubtful.
+    pub good_points: usize,
+    /// A position of which less is visible than this is doubtful.
+    pub good_visible_fraction: f64,
+    /// The bottom edge of a box shows the feet on the floor when it is at most this far over or under it, metres. JRDB's
+    /// official panorama model draws feet 0.1 m too low at 3 m.
+    pub floor_tolerance_m: f64,
+    /// Headings.
+    pub heading: HeadingConfig,
+    /// Relations.
+    pub relation: RelationConfig,
 }
 
 impl Default for ProjectionConfig {
@@ -46,6 +61,11 @@ impl Default for ProjectionConfig {
             person_height_m: [1.0, 2.2],
             person_footprint_m: [0.95, 0.52],
             few_points: 5,
+            good_points: 20,
+            good_visible_fraction: 0.5,
+            floor_tolerance_m: 0.25,
+            heading: HeadingConfig::default(),
+            relation: RelationConfig::default(),
         }
     }
 }

@@ -1,16 +1,25 @@
 //! The stage: detections and points in, entities and relations out.
 
+use std::collections::BTreeMap;
+
+use jrdb_types::entity::FloorContact;
 use jrdb_types::issue::IssueKind;
+use jrdb_types::vocab::PlacementQuality;
 use jrdb_types::{
-    Box3d, Detection, Detections, Entities, Entity, Issue, Localizer, PairRelation, PointCloud,
-    Position, Rig, detection::PERSON,
+    Box3d, Detection, Detections, Entities, Entity, EntityId, FloorPlane, Heading, Issue,
+    Localizer, PointCloud, Position, Rig, detection::PERSON,
 };
 use nalgebra::Point3;
 
-use crate::localize::{self, Located, densest_range::IsPerson};
-use crate::person_box::person_box;
+use crate::box_view::BoxView;
+use crate::heading::motion::Motion;
+use crate::localize::{self, Located, densest_range::Target};
+use crate::person_box::{box_around, person_box};
+use crate::quality::{Depths, quality};
+use crate::relation::occlusion::Silhouette;
+use crate::relation::{Thing, between_all, relate};
 use crate::select::points_in_boxes;
-use crate::{BaseCloud, ProjectionConfig, relation};
+use crate::{BaseCloud, CameraModel, ProjectionConfig, RigError, Sensors, heading, relation};
 
 /// Why a frame cannot be projected at all.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -21,84 +30,130 @@ pub enum Error {
         "expected detections on a {expected_px:?} px image as the rig has, found {found_px:?} px"
     )]
     ImageSize {
-        /// Columns and rows of the rig's panorama.
+        /// Columns and rows of the rig's camera.
         expected_px: [u32; 2],
         /// Columns and rows of the image of the detections.
         found_px: [u32; 2],
     },
-    /// The rig's numbers are unusable.
-    #[error("expected a finite, positive focal length and finite mounts in the rig, found {found}")]
-    BadRig {
-        /// What was found.
-        found: String,
-    },
+    /// The rig is unusable.
+    #[error("the rig is unusable")]
+    Rig(#[from] RigError),
+}
+
+/// What the robot knows of a frame besides the detections.
+#[derive(Debug, Clone, Copy)]
+pub struct Scan<'a> {
+    /// One sweep per LiDAR, in the sensors' frames; all are merged in the base frame.
+    pub clouds: &'a [PointCloud],
+    /// The sensors.
+    pub rig: &'a Rig,
+    /// The camera that the detections were made with; the rig's first when absent.
+    pub camera: Option<&'a str>,
+    /// The floor, where it is known.
+    pub floor: Option<FloorPlane>,
+    /// How things move, where that is known; in a frame at rest with the axes of the base frame.
+    pub motions: Option<&'a BTreeMap<EntityId, Motion>>,
+}
+
+impl<'a> Scan<'a> {
+    /// Sweeps and a rig; nothing else is known.
+    #[must_use]
+    pub fn new(clouds: &'a [PointCloud], rig: &'a Rig) -> Self {
+        Self { clouds, rig, camera: None, floor: None, motions: None }
+    }
 }
 
 /// Places every detection in space and relates every pair of placed ones.
 ///
-/// `clouds` are single sweeps in their sensors' frames; all are merged in the base frame.
 /// A detection without points keeps its place in the list, without a position and with an issue.
 ///
 /// # Errors
-/// [`Error::ImageSize`] and [`Error::BadRig`]; everything else is an issue in the result.
+/// [`Error::ImageSize`] and [`Error::Rig`]; everything else is an issue in the result.
 pub fn project(
     detections: &Detections,
-    clouds: &[PointCloud],
-    rig: &Rig,
+    scan: &Scan<'_>,
     config: &ProjectionConfig,
 ) -> Result<Entities, Error> {
-    check(detections, rig)?;
-    let mut issues = Vec::new();
-    let cloud = BaseCloud::merge(clouds, rig, &mut issues);
-    let boxes: Vec<_> = detections.detections.iter().map(|d| d.bbox).collect();
-    let inside = points_in_boxes(&cloud, &boxes, detections.image);
-    let frame = Frame { cloud: &cloud, rig, config };
-    let entities: Vec<Entity> = detections
-        .detections
-        .iter()
-        .zip(&inside)
-        .map(|(detection, inside)| frame.entity(detection, inside, &mut issues))
-        .collect();
-    let relations = relate(&entities, config);
-    let frame = detections.frame.clone();
-    Ok(Entities { frame, lateral: config.lateral, entities, relations, issues })
-}
-
-fn check(detections: &Detections, rig: &Rig) -> Result<(), Error> {
-    let expected_px = [rig.panorama.width_px, rig.panorama.height_px];
+    let sensors = Sensors::new(scan.rig, scan.camera)?;
+    let image = sensors.camera.image();
+    let expected_px = [image.width_px, image.height_px];
     let found_px = [detections.image.width_px, detections.image.height_px];
     if expected_px != found_px {
         return Err(Error::ImageSize { expected_px, found_px });
     }
-    let mount = |m: &jrdb_types::LidarMount| {
-        m.yaw_rad.is_finite() && m.offset_m.iter().all(|c| c.is_finite())
-    };
-    let camera = &rig.panorama;
-    if camera.focal_px <= 0.0 || !(camera.focal_px + camera.horizon_px).is_finite() {
-        return Err(Error::BadRig { found: format!("{camera:?}") });
+    let mut issues = Vec::new();
+    let cloud = BaseCloud::merge(scan.clouds, &sensors, &mut issues);
+    let boxes: Vec<_> = detections.detections.iter().map(|d| d.bbox).collect();
+    let inside = points_in_boxes(&cloud, &boxes, image);
+    let frame = Frame { cloud: &cloud, camera: &sensors.camera, scan, config };
+    let all = detections.detections.iter().zip(&inside);
+    let placed: Vec<Placed> = all.map(|(d, inside)| frame.place(d, inside, &mut issues)).collect();
+    let things: Vec<Thing<'_>> = placed.iter().filter_map(Placed::thing).collect();
+    let relations = relate(&things, image, config.lateral, &config.relation);
+    let between = between_all(&things, &config.relation);
+    let frame = detections.frame.clone();
+    let entities = placed.into_iter().map(|placed| placed.entity).collect();
+    Ok(Entities { frame, lateral: config.lateral, entities, relations, between, issues })
+}
+
+/// An entity and its points.
+struct Placed {
+    entity: Entity,
+    own: Vec<u32>,
+    up_to_it: Vec<u32>,
+}
+
+impl Placed {
+    fn thing(&self) -> Option<Thing<'_>> {
+        let entity = &self.entity;
+        let position = entity.position?;
+        let range_m = position.range_m;
+        let (own, up_to_it) = (self.own.as_slice(), self.up_to_it.as_slice());
+        Some(Thing {
+            id: &entity.id,
+            is_person: entity.category == PERSON,
+            center: position.center.into(),
+            heading: entity.heading,
+            box3d: entity.box3d,
+            velocity_mps: entity.velocity_mps,
+            silhouette: Silhouette { bbox: &entity.bbox, range_m, own, up_to_it },
+        })
     }
-    match rig.lidars.iter().find(|m| !mount(m)) {
-        Some(broken) => Err(Error::BadRig { found: format!("{broken:?}") }),
-        None => Ok(()),
-    }
+}
+
+/// A centre, the box around it, and the points that tell them.
+struct Place {
+    position: Position,
+    box3d: Option<Box3d>,
+    heading: Option<Heading>,
+    own: Vec<u32>,
+    up_to_it: Vec<u32>,
 }
 
 struct Frame<'a> {
     cloud: &'a BaseCloud,
-    rig: &'a Rig,
+    camera: &'a dyn CameraModel,
+    scan: &'a Scan<'a>,
     config: &'a ProjectionConfig,
 }
 
 impl Frame<'_> {
-    fn entity(&self, detection: &Detection, inside: &[usize], issues: &mut Vec<Issue>) -> Entity {
-        let placed = match self.config.localizer {
-            Localizer::Given => given(detection, inside),
-            Localizer::Mean | Localizer::DensestRange => self.placed_by_points(detection, inside),
+    fn place(&self, detection: &Detection, inside: &[u32], issues: &mut Vec<Issue>) -> Placed {
+        let view = BoxView::new(&detection.bbox, self.camera);
+        let motion = self.scan.motions.and_then(|motions| motions.get(&detection.id));
+        let place = match self.config.localizer {
+            Localizer::Given => self.given(detection, inside, motion),
+            Localizer::Mean | Localizer::DensestRange => {
+                self.by_points(detection, inside, view, motion)
+            }
         };
-        self.report(detection, placed.as_ref().map(|(position, _)| position), issues);
-        let (position, box3d) =
-            placed.map_or((None, None), |(position, box3d)| (Some(position), box3d));
-        Entity {
+        let position = place.as_ref().map(|place| place.position);
+        // Without a place only a label or motion can tell a heading.
+        let heading = place.as_ref().map_or_else(
+            || heading::heading(detection, None, motion, (self.cloud, &[]), &self.config.heading),
+            |place| place.heading,
+        );
+        let entity = Entity {
             id: detection.id.clone(),
             category: detection.category.clone(),
             score: detection.score,
@@ -107,56 +162,109 @@ impl Frame<'_> {
             interactions: detection.interactions.clone(),
             occlusion: detection.occlusion,
             position,
-            box3d,
-            heading_rad: detection.heading_rad,
+            box3d: place.as_ref().and_then(|place| place.box3d),
+            heading,
+            velocity_mps: motion.map(|motion| motion.velocity_mps),
+            floor: position.zip(view).and_then(|(position, view)| self.floor(&position, &view)),
             from_robot: position
                 .map(|p| relation::from_robot(&p.center.into(), self.config.lateral)),
-        }
+        };
+        self.report(&entity, issues);
+        let (own, up_to_it) = place.map_or_else(Default::default, |p| (p.own, p.up_to_it));
+        Placed { entity, own, up_to_it }
     }
 
-    fn placed_by_points(
+    fn by_points(
         &self,
         detection: &Detection,
-        inside: &[usize],
-    ) -> Option<(Position, Option<Box3d>)> {
-        let is_person = if detection.category == PERSON { IsPerson::Yes } else { IsPerson::No };
-        let (camera, config) = (&self.rig.panorama, self.config);
-        let points = &self.cloud.points;
+        inside: &[u32],
+        view: Option<BoxView>,
+        motion: Option<&Motion>,
+    ) -> Option<Place> {
+        let is_person = detection.category == PERSON;
+        let (cloud, config) = (self.cloud, self.config);
+        let (bbox, image) = (&detection.bbox, self.camera.image());
         let Located { center, used } = match config.localizer {
-            Localizer::Mean => localize::mean(points, inside),
-            _ => localize::densest_range(
-                self.cloud,
-                inside,
-                &detection.bbox,
-                is_person,
-                camera,
-                config,
-            ),
+            Localizer::Mean => localize::mean(cloud, inside),
+            _ => {
+                let target = Target { bbox, image, view, is_person };
+                localize::densest_range(cloud, inside, &target, config)
+            }
         }?;
-        let box3d = (is_person == IsPerson::Yes)
-            .then(|| person_box(&center, &detection.bbox, detection.heading_rad, camera, config));
+        let heading =
+            heading::heading(detection, Some(&center), motion, (cloud, &used), &config.heading);
+        let heading_rad = heading.map(|heading| heading.angle_rad);
+        let person = view.filter(|_| is_person);
+        let box3d = match person {
+            Some(view) => Some(person_box(&center, &view, heading_rad, config)),
+            None if is_person => None,
+            None => box_around(&used, cloud, &center, config),
+        };
         // The mean is the paper's own centre; the median height of a few rings is not a person's middle.
         let center = match (config.localizer, box3d) {
-            (Localizer::DensestRange, Some(box3d)) => box3d.center,
+            (Localizer::DensestRange, Some(box3d)) if is_person => box3d.center,
             _ => center.into(),
         };
-        let ranges = used.iter().map(|&i| points[i].x.hypot(points[i].y));
+        let ranges = used.iter().map(|&i| cloud.point(i as usize).coords.xy().norm());
         let range_m =
             ranges.fold([f64::INFINITY, 0.0], |[near, far], r| [near.min(r), f64::max(far, r)]);
-        let (localizer, points_in_box, points_used) = (config.localizer, inside.len(), used.len());
-        Some((Position { center, localizer, points_in_box, points_used, range_m }, box3d))
+        let depths = Depths::new(cloud, inside, range_m);
+        let visible_fraction = depths.visible_fraction();
+        let position = Position {
+            center,
+            localizer: config.localizer,
+            points_in_box: inside.len(),
+            points_used: used.len(),
+            range_m,
+            visible_fraction,
+            quality: quality(used.len(), range_m, visible_fraction, person.as_ref(), config),
+        };
+        Some(Place { position, box3d, heading, own: used, up_to_it: depths.up_to_it })
     }
 
-    fn report(&self, detection: &Detection, position: Option<&Position>, issues: &mut Vec<Issue>) {
-        let id = &detection.id;
+    fn given(
+        &self,
+        detection: &Detection,
+        inside: &[u32],
+        motion: Option<&Motion>,
+    ) -> Option<Place> {
+        let box3d = detection.box3d?;
+        let center = Point3::from(box3d.center);
+        let half_m = box3d.size[0].hypot(box3d.size[1]) / 2.0;
+        let middle_m = center.x.hypot(center.y);
+        let range_m = [(middle_m - half_m).max(0.0), middle_m + half_m];
+        let depths = Depths::new(self.cloud, inside, range_m);
+        let position = Position {
+            center: box3d.center,
+            localizer: Localizer::Given,
+            points_in_box: inside.len(),
+            points_used: 0,
+            range_m,
+            visible_fraction: depths.visible_fraction(),
+            quality: PlacementQuality::Good,
+        };
+        let points = (self.cloud, depths.own.as_slice());
+        let heading =
+            heading::heading(detection, Some(&center), motion, points, &self.config.heading);
+        let Depths { own, up_to_it } = depths;
+        Some(Place { position, box3d: Some(box3d), heading, own, up_to_it })
+    }
+
+    fn floor(&self, position: &Position, view: &BoxView) -> Option<FloorContact> {
+        let [x, y, _] = position.center;
+        let [_, bottom] = view.heights_m(view.range_m(&position.center.into()));
+        let gap_m = bottom - self.scan.floor?.height_at_m(x, y);
+        let touches = gap_m.abs() <= self.config.floor_tolerance_m && !view.cut_off[1];
+        Some(FloorContact { gap_m, touches })
+    }
+
+    fn report(&self, entity: &Entity, issues: &mut Vec<Issue>) {
+        let id = &entity.id;
         let few = self.config.few_points;
-        match position {
+        match entity.position {
             None if self.config.localizer == Localizer::Given => {
-                issues.push(Issue::about(
-                    IssueKind::NoPoints,
-                    id,
-                    "the detection brings no 3d box",
-                ));
+                let message = "the detection brings no 3d box";
+                issues.push(Issue::about(IssueKind::NoPoints, id, message));
             }
             None => issues.push(Issue::about(IssueKind::NoPoints, id, "no lidar point in the box")),
             Some(p) if p.localizer != Localizer::Given && p.points_used < few => {
@@ -165,48 +273,17 @@ impl Frame<'_> {
             }
             Some(_) => {}
         }
-        if detection.category == PERSON && detection.heading_rad.is_none() {
+        if entity.category == PERSON && entity.heading.is_none() {
             let message = "the heading is unknown: no left, right, front or back of this person";
             issues.push(Issue::about(IssueKind::NoHeading, id, message));
         }
     }
 }
 
-fn given(detection: &Detection, inside: &[usize]) -> Option<(Position, Option<Box3d>)> {
-    let box3d = detection.box3d?;
-    let [x, y, _] = box3d.center;
-    let range_m = x.hypot(y);
-    let position = Position {
-        center: box3d.center,
-        localizer: Localizer::Given,
-        points_in_box: inside.len(),
-        points_used: 0,
-        range_m: [range_m; 2],
-    };
-    Some((position, Some(box3d)))
-}
-
-fn relate(entities: &[Entity], config: &ProjectionConfig) -> Vec<PairRelation> {
-    let placed: Vec<(&Entity, Point3<f64>)> =
-        entities.iter().filter_map(|e| Some((e, e.position?.center.into()))).collect();
-    let mut relations = Vec::new();
-    for (subject, from) in &placed {
-        for (object, to) in placed.iter().filter(|(object, _)| object.id != subject.id) {
-            relations.push(PairRelation {
-                subject: subject.id.clone(),
-                object: object.id.clone(),
-                relation: relation::from_person(from, subject.heading_rad, to, config.lateral),
-            });
-        }
-    }
-    relations
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing;
-    use jrdb_types::rig::CylindricalPanorama;
     use jrdb_types::{EntityId, FrameId, PixelBox};
 
     fn rig() -> Rig {
@@ -228,7 +305,7 @@ mod tests {
     }
 
     fn detections(detections: Vec<Detection>) -> Detections {
-        let image = CylindricalPanorama::image(&rig().panorama);
+        let image = rig().cameras[0].lens.image();
         Detections { frame: FrameId::default(), image, detections, issues: Vec::new() }
     }
 
@@ -240,7 +317,7 @@ mod tests {
         ];
         let x = [vec![3.9; 10], vec![0.0; 10]].concat();
         let y = [vec![0.0; 10], vec![3.9; 10]].concat();
-        let z = (0..20).map(|i| 0.02 * f64::from(i % 10)).collect();
+        let z = (0..20_u8).map(|i| 0.02 * f32::from(i % 10)).collect();
         (
             detections(people),
             PointCloud { sensor: "upper".into(), x, y, z, ..PointCloud::default() },
@@ -250,7 +327,9 @@ mod tests {
     #[test]
     fn people_are_placed_and_related_in_both_directions() {
         let (detections, cloud) = two_people();
-        let found = project(&detections, &[cloud], &rig(), &ProjectionConfig::default()).unwrap();
+        let found =
+            project(&detections, &Scan::new(&[cloud], &rig()), &ProjectionConfig::default())
+                .unwrap();
         let robot = found.entities[1].from_robot.unwrap();
         assert_eq!(robot.direction.unwrap().to_string(), "left");
         assert_eq!(found.relations.len(), 2);
@@ -264,7 +343,8 @@ mod tests {
     #[test]
     fn a_person_without_points_stays_without_a_place() {
         let (detections, _) = two_people();
-        let found = project(&detections, &[], &rig(), &ProjectionConfig::default()).unwrap();
+        let found =
+            project(&detections, &Scan::new(&[], &rig()), &ProjectionConfig::default()).unwrap();
         assert_eq!(found.entities.len(), 2);
         assert!(found.entities.iter().all(|e| e.position.is_none() && e.from_robot.is_none()));
         assert_eq!(found.issues.iter().filter(|i| i.kind == IssueKind::NoPoints).count(), 2);
@@ -274,7 +354,8 @@ mod tests {
     fn detections_on_another_image_are_refused() {
         let (mut detections, _) = two_people();
         detections.image.width_px = 1880;
-        let error = project(&detections, &[], &rig(), &ProjectionConfig::default()).unwrap_err();
+        let error = project(&detections, &Scan::new(&[], &rig()), &ProjectionConfig::default())
+            .unwrap_err();
         assert_eq!(
             error.to_string(),
             "expected detections on a [3760, 480] px image as the rig has, found [1880, 480] px"
@@ -284,7 +365,9 @@ mod tests {
     #[test]
     fn a_rig_that_is_not_a_number_is_refused() {
         let mut rig = rig();
-        rig.lidars[0].yaw_rad = f64::NAN;
-        assert!(project(&detections(Vec::new()), &[], &rig, &ProjectionConfig::default()).is_err());
+        rig.transforms[1].translation_m[0] = f64::NAN;
+        let found = detections(Vec::new());
+        let found = project(&found, &Scan::new(&[], &rig), &ProjectionConfig::default());
+        assert!(matches!(found, Err(Error::Rig(RigError::Frames(_)))));
     }
 }

@@ -41,6 +41,7 @@ fn edge(from: u32, to: u32, sector: Sector) -> Edge {
         distance_m: Some(1.0),
         bearing_rad: Some(bearing_rad),
         rise_m: Some(0.0),
+        direction_probability: None,
     };
     Edge { from: id(from), to: id(to), relation: EdgeRelation::Spatial(relation) }
 }

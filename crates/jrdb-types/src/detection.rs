@@ -8,7 +8,7 @@ use crate::artefact::Payload;
 use crate::geometry::{Box3d, ImageGeometry, PixelBox};
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::vocab::{Action, Age, Gender, Occlusion, Race};
+use crate::vocab::{Action, Age, Facing, Gender, Occlusion, Race};
 
 /// Probabilities of the values of one attribute; a value that is absent has probability 0, and an
 /// empty belief means "unknown".
@@ -79,6 +79,9 @@ pub struct Attributes {
     /// What the body does.
     #[serde(default, skip_serializing_if = "Belief::is_unknown")]
     pub action: Belief<Action>,
+    /// Which way its front points in the picture.
+    #[serde(default, skip_serializing_if = "Belief::is_unknown")]
+    pub facing: Belief<Facing>,
 }
 
 /// Something a person does with another, as the labels or a model say it.

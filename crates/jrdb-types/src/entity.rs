@@ -7,7 +7,10 @@ use crate::detection::{Attributes, Interaction};
 use crate::geometry::{Box3d, PixelBox};
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::vocab::{Direction, DistanceWord, LateralConvention, Occlusion};
+use crate::vocab::{
+    Direction, DistanceWord, HeadingSource, LateralConvention, Occlusion, PairWord,
+    PlacementQuality,
+};
 
 /// How a position is found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -46,6 +49,33 @@ pub struct SpatialRelation {
     /// Height of the thing's centre over the reference's centre, metres.
     #[serde(default)]
     pub rise_m: Option<f64>,
+    /// Probability in `[0, 1]` that the sector named by `direction` is the true one, given how well the
+    /// reference's heading is known; absent where the direction is, or has no heading in it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub direction_probability: Option<f64>,
+}
+
+/// Which way somebody faces, and how well that is known.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Heading {
+    /// Radians counter-clockwise from +x of the base frame, in (-π, π].
+    pub angle_rad: f64,
+    /// Standard deviation, radians.
+    pub std_rad: f64,
+    /// What tells it.
+    pub source: HeadingSource,
+}
+
+/// Where a thing's lowest visible part is over the floor.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FloorContact {
+    /// Height of the bottom edge of its image box over the floor, at its range, metres. Negative where the edge
+    /// is below the floor.
+    pub gap_m: f64,
+    /// Whether the gap is small enough for the bottom edge to show the feet on the floor.
+    pub touches: bool,
 }
 
 /// Where a thing is in the base frame (x forward, y left, z up), and how well that is known.
@@ -62,6 +92,12 @@ pub struct Position {
     pub points_used: usize,
     /// Nearest and farthest horizontal range of the used points, metres.
     pub range_m: [f64; 2],
+    /// Share of the points that could be the thing's, in its box and no farther than it, that are not in front
+    /// of it, in `[0, 1]`; absent without points.
+    #[serde(default)]
+    pub visible_fraction: Option<f64>,
+    /// How far the position can be trusted.
+    pub quality: PlacementQuality,
 }
 
 /// A detection with its place in space.
@@ -92,25 +128,93 @@ pub struct Entity {
     /// Box in space; absent when the position is, or when its source gives no size.
     #[serde(default)]
     pub box3d: Option<Box3d>,
-    /// Direction it faces, radians counter-clockwise from +x of the base frame, in (-π, π].
+    /// Direction it faces; absent when nothing tells.
     #[serde(default)]
-    pub heading_rad: Option<f64>,
+    pub heading: Option<Heading>,
+    /// Velocity along x and y of the base frame, metres per second, over the ground where the robot's own motion
+    /// is known and relative to the robot otherwise; absent when only one frame is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_mps: Option<[f64; 2]>,
+    /// Whether its bottom edge shows where it stands; absent without a floor or a position.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub floor: Option<FloorContact>,
     /// Where it is, seen from the robot; absent when the position is.
     #[serde(default)]
     pub from_robot: Option<SpatialRelation>,
 }
 
-/// Where `object` is, seen from `subject`: "the object is to the subject's left".
+/// Where `object` is, seen from `subject`: "the object is to the subject's left"; and what else holds between
+/// them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct PairRelation {
-    /// Whose front, left and right are meant.
+    /// Whose front, left and right are meant; who hides, or faces.
     pub subject: EntityId,
-    /// What is located.
+    /// What is located; what is hidden, or faced.
     pub object: EntityId,
     /// Where it is.
     #[serde(flatten)]
     pub relation: SpatialRelation,
+    /// Least distance between the two boxes in space, metres; 0 when they touch or overlap.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap_m: Option<f64>,
+    /// Intersection over union of the two boxes in space, in `[0, 1]`; left out when 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub overlap: Option<f64>,
+    /// What the subject hides of the object from the robot; left out when nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub hides: Option<Hides>,
+    /// Angle from the subject's velocity to the object's, radians in (-π, π]; absent unless both are known and
+    /// moving.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub motion_angle_rad: Option<f64>,
+    /// The relations that hold, in words, in the vocabulary's order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<PairWord>,
+}
+
+impl PairRelation {
+    /// A relation that says only where the object is.
+    #[must_use]
+    pub fn of(subject: EntityId, object: EntityId, relation: SpatialRelation) -> Self {
+        let (gap_m, overlap, hides, motion_angle_rad) = (None, None, None, None);
+        Self {
+            subject,
+            object,
+            relation,
+            gap_m,
+            overlap,
+            hides,
+            motion_angle_rad,
+            words: Vec::new(),
+        }
+    }
+}
+
+/// How much of a thing a nearer one hides from the robot.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Hides {
+    /// Share of the hidden thing's image box that the nearer one's image box covers, in `[0, 1]`.
+    pub image_fraction: f64,
+    /// Share of the LiDAR points in the hidden thing's box, of those no farther than it, that are on the nearer
+    /// one, in `[0, 1]`; absent without points.
+    #[serde(default)]
+    pub point_fraction: Option<f64>,
+}
+
+/// Somebody or something between two others.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Between {
+    /// Who is between.
+    pub middle: EntityId,
+    /// The two others, sorted.
+    pub ends: [EntityId; 2],
+    /// Distance of the middle one from the straight line between the two, horizontally, metres.
+    pub offset_m: f64,
+    /// Where along that line, from the first end (0) to the second (1).
+    pub fraction: f64,
 }
 
 /// Things of one frame in space, sorted by id, and every ordered pair of those that have a position.
@@ -125,6 +229,9 @@ pub struct Entities {
     pub entities: Vec<Entity>,
     /// Their relations, sorted by subject, then object.
     pub relations: Vec<PairRelation>,
+    /// Who is between whom, sorted by the middle one, then the ends.
+    #[serde(default)]
+    pub between: Vec<Between>,
     /// What could not be placed, and why.
     #[serde(default)]
     pub issues: Vec<Issue>,
@@ -132,5 +239,5 @@ pub struct Entities {
 
 impl Payload for Entities {
     const SCHEMA: &'static str = "jrdb.entities";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 }

@@ -132,6 +132,24 @@ pub struct Box3d {
     pub heading_rad: f64,
 }
 
+/// The floor as a plane in the base frame: `z = height_m + slope · (x, y)`.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct FloorPlane {
+    /// z at the origin, metres.
+    pub height_m: f64,
+    /// Rise along x and along y, metres per metre.
+    pub slope: [f64; 2],
+}
+
+impl FloorPlane {
+    /// Height of the floor at a place, metres.
+    #[must_use]
+    pub fn height_at_m(&self, x: f64, y: f64) -> f64 {
+        self.height_m + self.slope[0] * x + self.slope[1] * y
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

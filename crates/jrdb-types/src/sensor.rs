@@ -36,11 +36,11 @@ pub struct PointCloud {
     /// Sensor name, as in the rig.
     pub sensor: String,
     /// Forward, metres.
-    pub x: Vec<f64>,
+    pub x: Vec<f32>,
     /// Left, metres.
-    pub y: Vec<f64>,
+    pub y: Vec<f32>,
     /// Up, metres.
-    pub z: Vec<f64>,
+    pub z: Vec<f32>,
     /// Strength of the return in the sensor's own scale; empty when the file has none.
     pub intensity: Vec<f32>,
     /// Rows of the file that had a non-finite coordinate and are not among the points.

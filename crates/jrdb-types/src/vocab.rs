@@ -265,6 +265,75 @@ vocabulary! {
 }
 
 vocabulary! {
+    /// Which way a person's front points in the picture, as somebody at the robot sees it.
+    Facing {
+        /// We see the face.
+        Towards = "towards the robot",
+        /// We see the face and the shoulder on our right: the person looks to our left.
+        TowardsLeft = "towards the robot and to its left",
+        /// In profile, looking to our left.
+        Left = "to the robot's left",
+        /// From behind and the side, looking to our left.
+        AwayLeft = "away from the robot and to its left",
+        /// We see the back.
+        Away = "away from the robot",
+        /// From behind and the side, looking to our right.
+        AwayRight = "away from the robot and to its right",
+        /// In profile, looking to our right.
+        Right = "to the robot's right",
+        /// We see the face and the shoulder on our left: the person looks to our right.
+        TowardsRight = "towards the robot and to its right",
+    }
+}
+
+vocabulary! {
+    /// What tells a heading, the most trusted first.
+    HeadingSource {
+        /// A 3D label.
+        Label = "label",
+        /// The way it moves over frames.
+        Motion = "motion",
+        /// The attribute "facing" in the image, with the bearing.
+        Facing = "facing",
+        /// The line of the shoulders in the cloud, with something that tells front from back.
+        BodyShape = "body shape",
+    }
+}
+
+vocabulary! {
+    /// How far a position from points can be trusted.
+    PlacementQuality {
+        /// Enough points, little in front: on one real frame right to 0.06 m in the median of 12 people.
+        Good = "good",
+        /// Few points, or half hidden. Doubtful and poor together: 0.9 m in the median of 8 people of that frame.
+        Doubtful = "doubtful",
+        /// Hardly any point of its own, or a size that no person has: may be somebody else's place.
+        Poor = "poor",
+    }
+}
+
+vocabulary! {
+    /// What holds between two things; the exact definitions are with the code, in
+    /// `jrdb_projection::relation`.
+    PairWord {
+        /// Their boxes are within arm's reach.
+        Adjacent = "next to",
+        /// Their boxes overlap.
+        Overlapping = "overlapping",
+        /// The first hides a part of the second from the robot.
+        Hides = "in front of",
+        /// The second hides a part of the first from the robot.
+        HiddenBy = "behind",
+        /// The first looks at the second.
+        Facing = "facing",
+        /// Each looks at the other.
+        FacingEachOther = "facing each other",
+        /// They move the same way.
+        SameDirection = "moving with",
+    }
+}
+
+vocabulary! {
     /// How many of the asked attributes a candidate must have.
     MatchPolicy {
         /// All of them: the benchmark's ground truth.

@@ -153,6 +153,7 @@ fn attributes(label: &SocialLabel) -> Attributes {
         action: Belief::from_label(
             label.action_label.keys().iter().find_map(|word| JrdbWord::from_jrdb_word(word)),
         ),
+        facing: Belief::default(), // the labels do not say
     }
 }
 

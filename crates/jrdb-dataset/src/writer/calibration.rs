@@ -1,10 +1,8 @@
-//! A rig as JRDB's `cameras.yaml` and `defaults.yaml`.
+//! A calibration as JRDB's `cameras.yaml` and `defaults.yaml`.
 
 use std::fmt::Write;
 
-use jrdb_types::Rig;
-
-use crate::calibration::{LIDARS, PANORAMA_SENSORS};
+use crate::calibration::{LIDARS, OfficialCalibration, PANORAMA_SENSORS};
 
 /// Azimuths of the panorama's cameras, degrees clockwise from straight ahead: a ring of five.
 const AZIMUTHS_DEG: [f64; 5] = [0.0, 144.0, -72.0, 72.0, -144.0];
@@ -15,11 +13,11 @@ const CAMERA_HEIGHT_PX: u32 = 480;
 
 /// `cameras.yaml`: five ideal pinholes in a ring. All have the panorama's f and c, so that the medians
 /// of the official model are exactly these.
-pub(super) fn cameras(rig: &Rig) -> String {
+pub(super) fn cameras(calibration: &OfficialCalibration) -> String {
     let mut text = String::from(
         "stitching:\n  radius: 3360000\n  rotation: 0\n  scalewidth: 1831\n  crop: 1\ncameras:\n",
     );
-    let (focal, horizon) = (rig.panorama.focal_px, rig.panorama.horizon_px);
+    let (focal, horizon) = (calibration.panorama.focal_px, calibration.panorama.horizon_px);
     for (sensor, azimuth_deg) in PANORAMA_SENSORS.iter().zip(AZIMUTHS_DEG) {
         let (sin, cos) = azimuth_deg.to_radians().sin_cos();
         let center = CAMERA_WIDTH_PX / 2;
@@ -38,14 +36,14 @@ pub(super) fn cameras(rig: &Rig) -> String {
 }
 
 /// `defaults.yaml`: where the LiDARs sit, and the panorama's size.
-pub(super) fn defaults(rig: &Rig) -> String {
+pub(super) fn defaults(calibration: &OfficialCalibration) -> String {
     let mut text = String::from("calibrated:\n");
-    for ((_, key), lidar) in LIDARS.iter().zip(&rig.lidars) {
+    for ((_, key), lidar) in LIDARS.iter().zip(&calibration.lidars) {
         let ([x, y, z], yaw) = (lidar.offset_m, lidar.yaw_rad);
         write!(text, "  {key}:\n    translation: [{x}, {y}, {z}]\n    rotation: [0, 0, {yaw}]\n")
             .expect("writing to memory does not fail");
     }
-    let (width, height) = (rig.panorama.width_px, rig.panorama.height_px);
+    let (width, height) = (calibration.panorama.width_px, calibration.panorama.height_px);
     let forward = width / 2;
     write!(
         text,

@@ -6,9 +6,9 @@ mod labels;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use jrdb_types::{Detections, EntityId, FrameId, Image, PointCloud, Rig};
+use jrdb_types::{Detections, EntityId, FrameId, Image, PointCloud};
 
-use crate::calibration::LIDARS;
+use crate::calibration::{LIDARS, OfficialCalibration};
 use crate::labels::{BOXES, SOCIAL, SPACE};
 use crate::tree::{CALIBRATION, CLOUDS, IMAGES, LABELS};
 use crate::{Error, file, image, pcd};
@@ -67,21 +67,20 @@ impl TreeWriter {
     }
 
     /// Writes `calibration/cameras.yaml` and `calibration/defaults.yaml`, from which
-    /// [`Dataset::rig`](crate::Dataset::rig) reads exactly this rig.
+    /// [`Dataset::official_calibration`](crate::Dataset::official_calibration) reads exactly this.
     ///
     /// # Errors
-    /// [`Error::Write`], or [`Error::Content`] when the rig's LiDARs are not the upper and the lower
-    /// Velodyne.
-    pub fn rig(&self, rig: &Rig) -> Result<(), Error> {
+    /// [`Error::Write`], or [`Error::Content`] when the LiDARs are not the upper and the lower Velodyne.
+    pub fn calibration(&self, official: &OfficialCalibration) -> Result<(), Error> {
         let folder = self.root.join(CALIBRATION);
         let path = folder.join("defaults.yaml");
-        let names: Vec<&str> = rig.lidars.iter().map(|lidar| lidar.name.as_str()).collect();
+        let names: Vec<&str> = official.lidars.iter().map(|lidar| lidar.name.as_str()).collect();
         if names != LIDARS.map(|(name, _)| name) {
             let expected = format!("lidars {} and {}", LIDARS[0].0, LIDARS[1].0);
             return Err(Error::content(&path, expected, format!("{names:?}")));
         }
-        file::write(&path, calibration::defaults(rig).as_bytes())?;
-        file::write(&folder.join("cameras.yaml"), calibration::cameras(rig).as_bytes())
+        file::write(&path, calibration::defaults(official).as_bytes())?;
+        file::write(&folder.join("cameras.yaml"), calibration::cameras(official).as_bytes())
     }
 
     /// Writes the three label files of a sequence: `labels/labels_2d_stitched/<sequence>.json`,

@@ -1,5 +1,6 @@
 //! The command line: `run` does everything, the other commands do one stage each.
 
+mod calib;
 mod models;
 mod run;
 mod schema;
@@ -38,6 +39,8 @@ enum Command {
     Evaluate(stage::EvaluateArgs),
     /// Write a JRDB-format dataset of drawn people, with questions and answers
     Synth(synth::SynthArgs),
+    /// Does the cloud fit the image, and if not, by how much
+    Calib(calib::CalibArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
     /// Model files: which are known, which are there
@@ -74,6 +77,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Search(args) => stage::search(&args),
         Command::Evaluate(args) => stage::evaluate(&args),
         Command::Synth(args) => synth::synth(&args),
+        Command::Calib(args) => calib::calib(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),
     }

@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
 use jrdb_pipeline::perceive::PerceptionSource;
-use jrdb_pipeline::source::Source;
+use jrdb_pipeline::source::{RigChoice, RobotOptions, Source};
 use jrdb_pipeline::{Error, PipelineConfig, RunOptions, report, with_causes};
 use jrdb_types::score::IouKind;
 use jrdb_types::vocab::MatchPolicy;
@@ -32,9 +32,34 @@ pub(crate) struct SourceArgs {
     /// Frame numbers, B exclusive; all when absent
     #[arg(long, value_name = "A..B", value_parser = frame_range)]
     pub(crate) frames: Option<Range<u32>>,
+    #[command(flatten)]
+    pub(crate) robot: RobotArgs,
+}
+
+/// Which sensors.
+#[derive(Debug, Args)]
+pub(crate) struct RobotArgs {
+    /// A rig file; tree: the tree's own calibration (default); jrdb-refined: JRDB's panorama as the five
+    /// views that it is
+    #[arg(long, value_name = "RIG")]
+    pub(crate) rig: Option<RigChoice>,
+    /// The rig's camera that the images are from; its first when absent
+    #[arg(long, value_name = "NAME")]
+    camera: Option<String>,
+}
+
+impl RobotArgs {
+    pub(crate) fn options(&self) -> RobotOptions {
+        let (rig, camera) = (self.rig.clone().unwrap_or_default(), self.camera.clone());
+        RobotOptions { rig, camera }
+    }
 }
 
 impl SourceArgs {
+    pub(crate) fn robot(&self) -> RobotOptions {
+        self.robot.options()
+    }
+
     pub(crate) fn sources(&self) -> Result<Vec<Source>, Error> {
         match (&self.dataset, &self.sequence) {
             (Some(root), Some(name)) => {
@@ -208,6 +233,7 @@ impl RunArgs {
         config.search.policy = self.policy.into();
         Ok(RunOptions {
             sources: self.source.sources()?,
+            robot: self.source.robot(),
             frames: self.source.frames.clone(),
             perception: self.perception.perception.clone(),
             models: self.perception.models.clone(),

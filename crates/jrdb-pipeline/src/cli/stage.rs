@@ -13,7 +13,7 @@ use jrdb_pipeline::{Error, PipelineConfig, frame::place, report};
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
-use super::run::{Iou, Match, PerceptionArgs, ProjectionArgs, SourceArgs};
+use super::run::{Iou, Match, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
 use super::{Format, say};
 
 /// Where a stage's artefact goes.
@@ -69,7 +69,7 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
 }
 
 fn only_frame(source: &SourceArgs) -> Result<FrameSource> {
-    let mut frames = list_frames(&source.sources()?, source.frames.as_ref())?;
+    let mut frames = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
     if frames.len() > 1 {
         bail!(Error::Usage(format!(
             "expected one frame, found {}: name it with --frames A..B",
@@ -88,6 +88,8 @@ pub(crate) struct ProjectArgs {
     #[arg(long, value_name = "ROOT")]
     dataset: PathBuf,
     #[command(flatten)]
+    robot: RobotArgs,
+    #[command(flatten)]
     projection: ProjectionArgs,
     #[command(flatten)]
     output: OutputArgs,
@@ -97,12 +99,15 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
     let detections: Detections = read_artefact(&args.detections)?;
     let id = &detections.frame;
     let source = Source::Sequence { root: args.dataset.clone(), name: id.sequence.clone() };
-    let frames = list_frames(&[source], Some(&(id.frame..id.frame.saturating_add(1))))?;
+    let frames = list_frames(
+        &[source],
+        Some(&(id.frame..id.frame.saturating_add(1))),
+        &args.robot.options(),
+    )?;
     let mut config = PipelineConfig::default();
     args.projection.apply(&mut config);
     let (clouds, cloud_issues) = frames[0].clouds();
-    let entities =
-        place(&detections, (&clouds, &cloud_issues), &frames[0].rig, &config.projection)?;
+    let entities = place(&detections, (&clouds, &cloud_issues), &frames[0].robot, &config)?;
     let lines = entities.entities.iter().map(|e| match e.position {
         None => format!("{} nowhere", e.id),
         Some(p) => {

@@ -1,10 +1,12 @@
 //! Pictures of a frame and its answer: boxes on the panorama, and the scene from above.
 
 mod canvas;
+mod overlay;
 mod panorama;
 mod top_view;
 
 pub use canvas::Canvas;
+pub use overlay::{Overlay, Strip, draw_overlay};
 pub use panorama::draw_panorama;
 pub use top_view::draw_top_view;
 

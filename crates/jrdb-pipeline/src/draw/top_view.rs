@@ -1,6 +1,6 @@
 //! The scene from above: robot, people with their headings, range rings, relations of the answer.
 
-use jrdb_projection::BaseCloud;
+use jrdb_projection::{BaseCloud, Sensors};
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Answer, DistanceWord, Entity, EntityId, Image};
 
@@ -29,9 +29,8 @@ const POINT: [u8; 3] = [84, 92, 106];
 pub fn draw_top_view(input: &FrameInput, output: &FrameOutput, asked: Option<&Asked>) -> Image {
     let entities = &output.entities.entities;
     let mut view = View::around(entities);
-    let cloud = BaseCloud::merge(&input.clouds, &input.rig, &mut Vec::new());
-    for point in &cloud.points {
-        view.canvas.dot(view.pixel([point.x, point.y]), POINT);
+    if let Ok(sensors) = Sensors::new(&input.robot.rig, input.robot.camera.as_deref()) {
+        view.points(&BaseCloud::merge(&input.clouds, &sensors, &mut Vec::new()));
     }
     view.rings();
     view.robot();
@@ -111,15 +110,22 @@ impl View {
         self.canvas.label(&short(&entity.id), label, Letters::Small, [BLACK, role.color()]);
     }
 
+    fn points(&mut self, cloud: &BaseCloud) {
+        for (&x, &y) in cloud.x.iter().zip(&cloud.y) {
+            self.canvas.dot(self.pixel([x, y].map(f64::from)), POINT);
+        }
+    }
+
     fn person(&mut self, person: &Entity, center: [f64; 2], radius: f64, role: Role) {
         let at = self.pixel(center);
         if role != Role::Other {
             self.canvas.disc(at, radius, role.color());
         }
         self.canvas.circle(at, radius, role.color(), 2.0);
-        if let Some(heading) = person.heading_rad {
+        if let Some(heading) = person.heading {
             let ahead = 2.2 * PERSON_RADIUS_M;
-            let tip = [center[0] + ahead * heading.cos(), center[1] + ahead * heading.sin()];
+            let (sin, cos) = heading.angle_rad.sin_cos();
+            let tip = [center[0] + ahead * cos, center[1] + ahead * sin];
             let tip = self.pixel(tip);
             self.canvas.line(&[at, tip], role.color(), 3.0);
         }

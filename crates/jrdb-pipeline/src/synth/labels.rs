@@ -8,11 +8,12 @@ use jrdb_projection::nalgebra::{Point3, Vector3};
 use jrdb_types::detection::{Interaction, PERSON};
 use jrdb_types::vocab::Occlusion;
 use jrdb_types::{
-    Attributes, Belief, Box3d, Detection, Detections, EntityId, FrameId, PointCloud, Rig,
+    Attributes, Belief, Box3d, Detection, Detections, EntityId, FrameId, LensModel, PointCloud,
 };
 
 use super::paint::{Drawn, Subject};
 use super::person::Person;
+use super::robot;
 use super::solid::{Shape, Solid};
 
 /// Shares of visible pixels at which JRDB's words for occlusion begin.
@@ -26,9 +27,8 @@ pub(super) fn labels(
     subjects: &[Subject<'_>],
     drawn: &[Drawn],
     clouds: &[PointCloud],
-    rig: &Rig,
 ) -> LabelledFrame {
-    let cloud = BaseCloud::merge(clouds, rig, &mut Vec::new());
+    let cloud = BaseCloud::merge(clouds, &robot::sensors(), &mut Vec::new());
     let mut detections: Vec<Detection> = drawn
         .iter()
         .filter_map(|drawn| {
@@ -41,7 +41,7 @@ pub(super) fn labels(
         (detection.id.clone(), inside)
     };
     let num_points: BTreeMap<EntityId, usize> = detections.iter().map(count).collect();
-    let image = rig.panorama.image();
+    let image = LensModel::Cylindrical(robot::calibration().panorama).image();
     let detections = Detections { frame: frame.clone(), image, detections, issues: Vec::new() };
     LabelledFrame { detections, num_points }
 }
@@ -74,6 +74,7 @@ fn attributes(person: &Person) -> Attributes {
         gender: Belief::certain(person.gender),
         race: Belief::certain(person.race),
         action: Belief::certain(person.action),
+        facing: Belief::default(),
     }
 }
 
@@ -101,7 +102,7 @@ fn points_inside(cloud: &BaseCloud, label: &Box3d) -> usize {
         half: Vector3::from(label.size) / 2.0,
         yaw_rad: label.heading_rad,
     };
-    cloud.points.iter().filter(|point| solid.contains(point)).count()
+    (0..cloud.len()).filter(|&point| solid.contains(&cloud.point(point))).count()
 }
 
 #[cfg(test)]

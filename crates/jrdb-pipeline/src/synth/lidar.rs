@@ -2,10 +2,9 @@
 
 use std::f64::consts::TAU;
 
-use jrdb_projection::cloud::base_from_lidar;
+use jrdb_projection::Sensors;
 use jrdb_projection::nalgebra::{Point3, Vector3};
 use jrdb_types::PointCloud;
-use jrdb_types::rig::LidarMount;
 
 use super::random::Random;
 use super::room::{Above, FLOOR_M, Room};
@@ -59,14 +58,15 @@ impl Target {
 /// One turn of a LiDAR in its own frame, columns counter-clockwise, rings from below; metres,
 /// rounded to millimetres.
 pub(super) fn sweep(
-    mount: &LidarMount,
+    name: &str,
+    sensors: &Sensors,
     room: &Room,
     targets: &[Target],
     random: &mut Random,
 ) -> PointCloud {
-    let base_from_lidar = base_from_lidar(mount);
+    let base_from_lidar = sensors.lidars[name];
     let from = base_from_lidar * Point3::origin();
-    let mut cloud = PointCloud { sensor: mount.name.clone(), ..PointCloud::default() };
+    let mut cloud = PointCloud { sensor: name.into(), ..PointCloud::default() };
     for column in 0..COLUMNS {
         let azimuth_rad = TAU * f64::from(column) / f64::from(COLUMNS);
         for ring in 0..RINGS {
@@ -84,7 +84,7 @@ pub(super) fn sweep(
 }
 
 fn push(cloud: &mut PointCloud, point: Vector3<f64>, intensity: f32) {
-    let millimetres = |metres: f64| (metres * 1000.0).round() / 1000.0;
+    let millimetres = |metres: f64| ((metres * 1000.0).round() / 1000.0) as f32;
     cloud.x.push(millimetres(point.x));
     cloud.y.push(millimetres(point.y));
     cloud.z.push(millimetres(point.z));
@@ -118,15 +118,16 @@ fn shell(ray: &Ray, room: &Room) -> Option<(f64, f32)> {
 mod tests {
     use super::*;
     use crate::synth::person::tests::walker;
-    use crate::synth::room::{Setting, rig};
+    use crate::synth::robot;
+    use crate::synth::room::Setting;
 
     fn points(targets: &[Target], setting: Setting) -> Vec<Point3<f64>> {
         let room = Room::new(setting, &mut Random::stream(1, 1));
-        let mount = &rig().lidars[1];
-        let cloud = sweep(mount, &room, targets, &mut Random::stream(1, 9));
-        let from_sensor = base_from_lidar(mount);
+        let (name, sensors) = ("lower_velodyne", robot::sensors());
+        let cloud = sweep(name, &sensors, &room, targets, &mut Random::stream(1, 9));
+        let from_sensor = sensors.lidars[name];
         (0..cloud.len())
-            .map(|i| from_sensor * Point3::new(cloud.x[i], cloud.y[i], cloud.z[i]))
+            .map(|i| from_sensor * Point3::new(cloud.x[i], cloud.y[i], cloud.z[i]).cast::<f64>())
             .collect()
     }
 

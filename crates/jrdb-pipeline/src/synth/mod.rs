@@ -14,6 +14,7 @@ mod person;
 mod plan;
 mod questions;
 mod random;
+mod robot;
 mod room;
 mod solid;
 mod wording;
@@ -33,7 +34,8 @@ use paint::{Subject, chair_of};
 use random::Random;
 use room::Room;
 
-pub use room::{Setting, rig};
+pub use robot::calibration;
+pub use room::Setting;
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
 pub const QUESTIONS_FILE: &str = "questions.json";
@@ -123,7 +125,7 @@ pub fn generate(config: &SynthConfig) -> World {
 /// When a file cannot be written.
 pub fn write(world: &World, root: &Path) -> Result<(), Error> {
     let writer = TreeWriter::new(root);
-    writer.rig(&rig())?;
+    writer.calibration(&calibration())?;
     let (mut labels, mut questions) = (Vec::new(), Vec::new());
     for index in 0..world.config.frames {
         let frame = world.frame(index);
@@ -157,12 +159,11 @@ impl World {
     pub fn frame(&self, index: u32) -> Frame {
         let number = index.saturating_mul(STRIDE);
         let id = FrameId { sequence: self.config.sequence.clone(), frame: number };
-        let rig = rig();
         let subjects = self.subjects(index);
-        let picture = paint::paint(&self.room, &subjects, &rig.panorama);
+        let picture = paint::paint(&self.room, &subjects, &robot::panorama());
         let clouds = self.clouds(&subjects, index);
-        let labels = labels::labels(&id, &subjects, &picture.drawn, &clouds, &rig);
-        let questions = questions::questions(&labels.detections, &rig, self.config.seed);
+        let labels = labels::labels(&id, &subjects, &picture.drawn, &clouds);
+        let questions = questions::questions(&labels.detections, self.config.seed);
         let (image, instances) = (picture.image, picture.instances);
         Frame { id, image, instances, clouds, labels, questions }
     }
@@ -176,12 +177,13 @@ impl World {
 
     fn clouds(&self, subjects: &[Subject<'_>], index: u32) -> Vec<PointCloud> {
         let targets: Vec<Target> = subjects.iter().flat_map(targets).collect();
-        let sweep = |(mount, sensor): (&jrdb_types::LidarMount, u64)| {
+        let sensors = robot::sensors();
+        let sweep = |(lidar, sensor): (&jrdb_dataset::LidarMount, u64)| {
             let stream = 100 + 2 * u64::from(index) + sensor;
             let mut random = Random::stream(self.config.seed, stream);
-            lidar::sweep(mount, &self.room, &targets, &mut random)
+            lidar::sweep(&lidar.name, &sensors, &self.room, &targets, &mut random)
         };
-        rig().lidars.iter().zip(0..).map(sweep).collect()
+        calibration().lidars.iter().zip(0..).map(sweep).collect()
     }
 }
 

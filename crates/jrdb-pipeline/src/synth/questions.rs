@@ -3,16 +3,15 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use jrdb_graph::GraphConfig;
-use jrdb_projection::ProjectionConfig;
+use jrdb_projection::{ProjectionConfig, Scan};
 use jrdb_search::SearchConfig;
 use jrdb_types::detection::PERSON;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::vocab::{MatchPolicy, Occlusion};
-use jrdb_types::{
-    Answer, Detection, Detections, Localizer, Query, Question, Rig, SceneGraph, Truth,
-};
+use jrdb_types::{Answer, Detection, Detections, Localizer, Query, Question, SceneGraph, Truth};
 
 use super::random::Random;
+use super::robot;
 use super::wording;
 
 /// Scenes with every position moved a little, in each of which an answer must stay the same.
@@ -33,11 +32,11 @@ const TOLD_APART: usize = 3;
 ///
 /// Kept are those that the parser reads without trouble, that somebody answers, and whose answer is
 /// the same in every jittered scene.
-pub(super) fn questions(labels: &Detections, rig: &Rig, seed: u64) -> Vec<Question> {
-    let truth = graph(labels, rig);
+pub(super) fn questions(labels: &Detections, seed: u64) -> Vec<Question> {
+    let truth = graph(labels);
     let mut random = Random::stream(seed, 0x5eed + u64::from(labels.frame.frame));
     let jittered: Vec<SceneGraph> =
-        (0..JITTERS).map(|_| graph(&jitter(labels, &mut random), rig)).collect();
+        (0..JITTERS).map(|_| graph(&jitter(labels, &mut random))).collect();
     let mut asked: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut seen = BTreeSet::new();
     let mut questions = Vec::new();
@@ -83,10 +82,11 @@ fn strict(graph: &SceneGraph, query: &Query) -> Answer {
 }
 
 /// The scene graph on the 3D boxes of the labels.
-fn graph(labels: &Detections, rig: &Rig) -> SceneGraph {
+fn graph(labels: &Detections) -> SceneGraph {
     let config = ProjectionConfig { localizer: Localizer::Given, ..ProjectionConfig::default() };
-    let entities = jrdb_projection::project(labels, &[], rig, &config)
-        .expect("the labels are of this rig's image");
+    let entities =
+        jrdb_projection::project(labels, &Scan::new(&[], &robot::calibration().rig()), &config)
+            .expect("the labels are of this rig's image");
     jrdb_graph::build(&entities, &GraphConfig::default())
 }
 

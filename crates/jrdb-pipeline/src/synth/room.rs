@@ -1,7 +1,5 @@
-//! The walled room, the rig in it, and how light its surfaces are.
+//! The walled room, and how light its surfaces are.
 
-use jrdb_types::Rig;
-use jrdb_types::rig::{CylindricalPanorama, LidarMount};
 use serde::{Deserialize, Serialize};
 
 use super::random::Random;
@@ -24,28 +22,6 @@ pub enum Setting {
     Cafe,
     /// A passage of 30 m by 5 m with doors; most people walk along it.
     Corridor,
-}
-
-/// The rig of the scenes: JRDB's, with the numbers of its official model.
-#[must_use]
-pub fn rig() -> Rig {
-    let mount = |name: &str, up_m: f64, yaw_rad: f64| LidarMount {
-        name: name.into(),
-        offset_m: [0.0, 0.0, up_m],
-        yaw_rad,
-    };
-    Rig {
-        panorama: CylindricalPanorama {
-            width_px: 3760,
-            height_px: 480,
-            focal_px: 482.924,
-            horizon_px: 209.383,
-        },
-        lidars: vec![
-            mount("upper_velodyne", -0.33529, 0.085),
-            mount("lower_velodyne", 0.13511, 0.0),
-        ],
-    }
 }
 
 /// Something flat on a wall: a door, a window, a board.

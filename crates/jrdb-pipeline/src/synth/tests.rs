@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use jrdb_dataset::Dataset;
 use jrdb_graph::GraphConfig;
-use jrdb_projection::ProjectionConfig;
+use jrdb_projection::{ProjectionConfig, Scan};
 use jrdb_search::SearchConfig;
 use jrdb_types::detection::PERSON;
 use jrdb_types::vocab::Occlusion;
@@ -145,16 +145,18 @@ fn the_cloud_shows_visible_people_where_their_labels_are() {
 fn located(labels: &jrdb_types::Detections, clouds: &[PointCloud]) -> jrdb_types::Entities {
     let mut detections = labels.clone();
     detections.detections.iter_mut().for_each(|thing| thing.box3d = None);
-    jrdb_projection::project(&detections, clouds, &rig(), &ProjectionConfig::default()).unwrap()
+    let rig = calibration().rig();
+    jrdb_projection::project(&detections, &Scan::new(clouds, &rig), &ProjectionConfig::default())
+        .unwrap()
 }
 
 /// Whether the pipeline, from the files of a scene and with its defaults, gives the known answer.
 fn is_answered(root: &Path, question: &Question) -> bool {
     let dataset = Dataset::open(root).unwrap();
     let FrameId { sequence, frame } = &question.frame;
-    let (clouds, issues) = dataset.clouds(sequence, *frame);
+    let (clouds, issues) = dataset.clouds(sequence, *frame, &dataset.rig().unwrap().lidars);
     assert_eq!(issues, []);
-    let image = dataset.rig().unwrap().panorama.image();
+    let image = dataset.rig().unwrap().cameras[0].lens.image();
     let labels = dataset.labels(sequence).unwrap().detections(&question.frame, image);
     let graph = jrdb_graph::build(&located(&labels, &clouds), &GraphConfig::default());
     let query = jrdb_parser::parse(&question.text);

@@ -2,13 +2,12 @@
 
 use std::path::Path;
 
-use jrdb_dataset::{LabelledFrame, TreeWriter};
-use jrdb_types::rig::{CylindricalPanorama, LidarMount, Rig};
+use jrdb_dataset::{LabelledFrame, LidarMount, OfficialCalibration, TreeWriter};
 use jrdb_types::*;
 
 pub(crate) const SEQUENCE: &str = "two-people";
 
-fn rig() -> Rig {
+fn calibration() -> OfficialCalibration {
     let panorama =
         CylindricalPanorama { width_px: 400, height_px: 60, focal_px: 51.5, horizon_px: 26.0 };
     let lidar = |name: &str, z: f64, yaw_rad| LidarMount {
@@ -16,7 +15,7 @@ fn rig() -> Rig {
         offset_m: [0.0, 0.0, z],
         yaw_rad,
     };
-    Rig {
+    OfficialCalibration {
         panorama,
         lidars: vec![lidar("upper_velodyne", -0.25, 0.0), lidar("lower_velodyne", 0.25, 0.0)],
     }
@@ -38,9 +37,9 @@ fn person(number: u32, [x, y]: [f64; 2], gender: Gender, bbox: [f64; 4]) -> Dete
     }
 }
 
-fn cloud(sensor: &str, z: f64) -> PointCloud {
-    let grid =
-        (-5..=5).flat_map(|i| (-3..=3).map(move |j| (0.03 * f64::from(i), 0.1 * f64::from(j) + z)));
+fn cloud(sensor: &str, z: f32) -> PointCloud {
+    let grid = (-5..=5_i8)
+        .flat_map(|i| (-3..=3_i8).map(move |j| (0.03 * f32::from(i), 0.1 * f32::from(j) + z)));
     let ahead = grid.clone().map(|(side, z)| (2.9, side, z));
     let left = grid.map(|(side, z)| (side, 2.9, z));
     let mut cloud = PointCloud { sensor: sensor.into(), ..PointCloud::default() };
@@ -54,8 +53,8 @@ fn cloud(sensor: &str, z: f64) -> PointCloud {
 
 /// Writes the dataset with frames 0 and 1.
 pub(crate) fn write(root: &Path) {
-    let (writer, rig) = (TreeWriter::new(root), rig());
-    writer.rig(&rig).unwrap();
+    let (writer, calibration) = (TreeWriter::new(root), calibration());
+    writer.calibration(&calibration).unwrap();
     let mut frames = Vec::new();
     for frame in 0..2 {
         let id = FrameId { sequence: SEQUENCE.into(), frame };
@@ -66,7 +65,7 @@ pub(crate) fn write(root: &Path) {
             person(1, [3.0, 0.0], Gender::Male, [194.0, 10.0, 12.0, 31.0]),
             person(2, [0.0, 3.0], Gender::Female, [94.0, 10.0, 12.0, 31.0]),
         ];
-        let image = rig.panorama.image();
+        let image = calibration.rig().cameras[0].lens.image();
         let detections = Detections { frame: id, image, detections: people, issues: Vec::new() };
         frames.push(LabelledFrame { detections, num_points: Default::default() });
     }

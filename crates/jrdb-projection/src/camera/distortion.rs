@@ -1,7 +1,7 @@
 //! Lens distortion of pinholes in OpenCV's terms, with the radius up to which it is one-to-one.
 
+use jrdb_types::lens::DistortionModel;
 use nalgebra::{Matrix2, Point2, Vector2};
-use serde::{Deserialize, Serialize};
 
 use super::monotonic;
 
@@ -17,66 +17,6 @@ const MAX_NEWTON_STEPS: usize = 50;
 /// Times a Newton step is halved to stay within the limit and come nearer.
 const MAX_HALVINGS: i32 = 20;
 
-/// How a lens bends straight lines, as OpenCV's and ROS's coefficients.
-///
-/// With `x = X / Z`, `y = Y / Z`, `s = x² + y²`, the distorted point is
-/// `x L + 2 p1 x y + p2 (s + 2 x²)`, `y L + p1 (s + 2 y²) + 2 p2 x y`,
-/// where `L = 1 + k1 s + k2 s² + k3 s³`, divided by `1 + k4 s + k5 s² + k6 s³` in the rational model.
-///
-/// Source of the formulas: OpenCV's documentation, "Camera Calibration and 3D Reconstruction".
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-#[expect(missing_docs, reason = "the coefficients are defined by the formulas above")]
-pub enum DistortionModel {
-    /// A rectified image.
-    #[default]
-    None,
-    /// ROS `plumb_bob`; JRDB's single cameras.
-    BrownConrady { k1: f64, k2: f64, p1: f64, p2: f64, k3: f64 },
-    /// ROS `rational_polynomial`.
-    Rational { k1: f64, k2: f64, p1: f64, p2: f64, k3: f64, k4: f64, k5: f64, k6: f64 },
-}
-
-/// Why a list of numbers is no distortion.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum DistortionError {
-    /// The list has an unknown length.
-    #[error(
-        "expected 0, 4, 5 or 8 distortion coefficients (k1 k2 p1 p2 k3 k4 k5 k6), found {found}"
-    )]
-    Count {
-        /// Length of the list.
-        found: usize,
-    },
-}
-
-impl DistortionModel {
-    /// Reads OpenCV's list `D`: `k1 k2 p1 p2 [k3 [k4 k5 k6]]`, or nothing. Note that `k3` comes last but
-    /// for the rational coefficients, after the tangential `p1 p2`.
-    ///
-    /// # Errors
-    /// [`DistortionError::Count`] when there are not 0, 4, 5 or 8 numbers.
-    ///
-    /// ```
-    /// use jrdb_projection::camera::DistortionModel;
-    /// let model = DistortionModel::from_opencv(&[-0.34, 0.16, 1e-4, -7e-5, -0.05]).unwrap();
-    /// let DistortionModel::BrownConrady { p2, k3, .. } = model else { unreachable!() };
-    /// assert_eq!((p2, k3), (-7e-5, -0.05));
-    /// ```
-    pub fn from_opencv(coefficients: &[f64]) -> Result<Self, DistortionError> {
-        match *coefficients {
-            [] => Ok(Self::None),
-            [k1, k2, p1, p2] => Ok(Self::BrownConrady { k1, k2, p1, p2, k3: 0.0 }),
-            [k1, k2, p1, p2, k3] => Ok(Self::BrownConrady { k1, k2, p1, p2, k3 }),
-            [k1, k2, p1, p2, k3, k4, k5, k6] => {
-                Ok(Self::Rational { k1, k2, p1, p2, k3, k4, k5, k6 })
-            }
-            _ => Err(DistortionError::Count { found: coefficients.len() }),
-        }
-    }
-}
-
 /// A [`DistortionModel`] with the radius up to which it is one-to-one.
 ///
 /// Barrel distortion bends back on itself: the polynomials of JRDB's lenses turn at 51° to 55° and draw points
@@ -86,8 +26,7 @@ impl DistortionModel {
 /// the Jacobian's determinant is positive in every direction, as `f' ≥ 8 p r` and with it `f / r ≥ 4 p r` imply
 /// `(f' + 6 p r cos ψ) (f / r + 2 p r cos ψ) > (2 p r sin ψ)²` for all ψ. Without tangential terms it is
 /// the turning point of the radial polynomial.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(from = "DistortionModel", into = "DistortionModel")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Distortion {
     model: DistortionModel,
     terms: Terms,
@@ -329,17 +268,6 @@ pub(super) mod tests {
     fn a_list_of_another_length_is_refused() {
         let error = DistortionModel::from_opencv(&[0.0; 6]).unwrap_err().to_string();
         assert!(error.ends_with("(k1 k2 p1 p2 k3 k4 k5 k6), found 6"), "{error}");
-    }
-
-    #[test]
-    fn a_distortion_is_written_as_its_coefficients() {
-        let text = serde_json::to_string(&Distortion::from(BARREL)).unwrap();
-        assert_eq!(
-            text,
-            r#"{"brown_conrady":{"k1":-0.34,"k2":0.16,"p1":0.0001,"p2":-0.00007,"k3":-0.05}}"#
-        );
-        assert_eq!(serde_json::from_str::<Distortion>(&text).unwrap(), BARREL.into());
-        assert!(serde_json::from_str::<Distortion>(&text.replace("k3", "k9")).is_err());
     }
 
     proptest! {

@@ -1,49 +1,16 @@
 //! The double sphere fisheye of Usenko, Demmel and Cremers (3DV 2018).
 
 use jrdb_types::ImageGeometry;
+use jrdb_types::lens::DoubleSphere;
 use nalgebra::{Point3, Unit, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::lens::{finite_pixel, finite_ray};
 use super::{Lens, Pixel};
 
-/// A closed-form fisheye of six numbers.
-///
-/// A point is projected on a unit sphere, from there on a second one whose centre lies `ξ` behind the first's,
-/// and then by a pinhole moved back by `α / (1 - α)`: with `d1 = |p|`, `ζ = ξ d1 + z`, `d2 = |(x, y, ζ)|`,
-/// `u = fx x / (α d2 + (1 - α) ζ) + cx` and `v` alike (the paper's letters and formulas, but for ζ).
-///
-/// A point is seen while the radius in the image grows with its angle from the optical axis: `ζ > -w1 d2`
-/// with `w1 = min(α, 1 - α) / max(α, 1 - α)`, and `d1 + ξ z > 0`, which matters for `|ξ| > 1` only. The paper's own
-/// test `z > -w2 d1` is an approximation of this: narrower for most lenses, but wide enough to
-/// fold back where `-2 w1 > ξ`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DoubleSphere {
-    /// Columns, pixels.
-    pub width_px: u32,
-    /// Rows, pixels.
-    pub height_px: u32,
-    /// Horizontal focal length, pixels; a radian on the axis is `fx / (1 + ξ)` columns.
-    pub fx: f64,
-    /// Vertical focal length, pixels.
-    pub fy: f64,
-    /// Column of the optical axis, pixels.
-    pub cx: f64,
-    /// Row of the optical axis, pixels.
-    pub cy: f64,
-    /// ξ, distance of the spheres' centres in radii, usually in (-1, 1).
-    pub xi: f64,
-    /// α in `[0, 1]`: 0 draws the second sphere as a pinhole does, 1 orthographically.
-    pub alpha: f64,
-}
-
-impl DoubleSphere {
-    /// The paper's `w1`: minus the cosine, at the second sphere's centre, of the largest angle seen.
-    fn w1(&self) -> f64 {
-        let (alpha, rest) = (self.alpha, 1.0 - self.alpha);
-        if alpha <= 0.5 { alpha / rest } else { rest / alpha }
-    }
+/// The paper's `w1`: minus the cosine, at the second sphere's centre, of the largest angle seen.
+fn w1(alpha: f64) -> f64 {
+    let rest = 1.0 - alpha;
+    if alpha <= 0.5 { alpha / rest } else { rest / alpha }
 }
 
 impl Lens for DoubleSphere {
@@ -56,7 +23,7 @@ impl Lens for DoubleSphere {
         let distance_m = off_axis_m.hypot(point.z);
         let shifted_m = self.xi * distance_m + point.z;
         let second_m = off_axis_m.hypot(shifted_m);
-        let grows = distance_m + self.xi * point.z > 0.0 && shifted_m > -self.w1() * second_m;
+        let grows = distance_m + self.xi * point.z > 0.0 && shifted_m > -w1(self.alpha) * second_m;
         if !grows {
             return None;
         }
@@ -126,7 +93,7 @@ mod tests {
     #[test]
     fn the_limit_is_where_the_radius_turns_and_the_papers_is_not() {
         let paper_limit = |lens: &DoubleSphere| {
-            let (w1, xi) = (lens.w1(), lens.xi);
+            let (w1, xi) = (w1(lens.alpha), lens.xi);
             (-(w1 + xi) / (2.0 * w1 * xi + xi * xi + 1.0).sqrt()).acos()
         };
         let narrower = lens(XI, ALPHA);

@@ -3,27 +3,11 @@
 use std::f64::consts::{PI, TAU};
 
 use jrdb_types::ImageGeometry;
+use jrdb_types::lens::Equirectangular;
 use nalgebra::{Point3, Unit, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::lens::{finite_pixel, finite_ray, wrapped};
 use super::{Lens, Pixel};
-
-/// The whole sphere, wrapping: columns are longitude and rows latitude.
-///
-/// `u = (1/2 + atan2(x, z) / 2π) · W mod W`,
-/// `v = (1/2 + atan2(y, hypot(x, z)) / π) · H`.
-///
-/// The middle of the image looks forward, the top row straight up, the seam backwards. The poles, which
-/// have a row but no column, get the middle column.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Equirectangular {
-    /// W, columns, pixels: 360°.
-    pub width_px: u32,
-    /// H, rows, pixels: 180°.
-    pub height_px: u32,
-}
 
 impl Lens for Equirectangular {
     fn image(&self) -> ImageGeometry {

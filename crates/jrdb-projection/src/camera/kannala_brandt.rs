@@ -3,43 +3,14 @@
 use std::f64::consts::PI;
 
 use jrdb_types::ImageGeometry;
+use jrdb_types::lens::KannalaBrandt;
 use nalgebra::{Point3, Unit, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::lens::{finite_pixel, finite_ray};
 use super::{Lens, Pixel, monotonic};
 
-/// A fisheye whose radius in the image is a polynomial of the angle of incidence.
-///
-/// With θ the angle between the ray and the optical axis and `θ_d` its [`AnglePolynomial`],
-/// `u = fx θ_d x / hypot(x, y) + cx`, `v = fy θ_d y / hypot(x, y) + cy`.
-///
-/// OpenCV's `fisheye` and ROS's `equidistant`; Kannala and Brandt 2006 without the asymmetric terms.
-/// Unlike OpenCV, this model sees beyond 90°, up to [`AnglePolynomial::max_angle_rad`].
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct KannalaBrandt {
-    /// Columns, pixels.
-    pub width_px: u32,
-    /// Rows, pixels.
-    pub height_px: u32,
-    /// Columns per radian on the axis, pixels.
-    pub fx: f64,
-    /// Rows per radian on the axis, pixels.
-    pub fy: f64,
-    /// Column of the optical axis, pixels.
-    pub cx: f64,
-    /// Row of the optical axis, pixels.
-    pub cy: f64,
-    /// `θ_d` of θ; `[0, 0, 0, 0]` is the equidistant fisheye.
-    pub k: AnglePolynomial,
-}
-
 /// `θ_d = θ (1 + k1 θ² + k2 θ⁴ + k3 θ⁶ + k4 θ⁸)`, with the angle up to which it grows.
-///
-/// As JSON: `[k1, k2, k3, k4]`.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(from = "[f64; 4]", into = "[f64; 4]")]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AnglePolynomial {
     k: [f64; 4],
     max_angle_rad: f64,
@@ -49,12 +20,6 @@ impl From<[f64; 4]> for AnglePolynomial {
     fn from(k: [f64; 4]) -> Self {
         let max_angle_rad = monotonic::positive_up_to(&monotonic::derivative(&in_angle(k)), PI);
         Self { k, max_angle_rad }
-    }
-}
-
-impl From<AnglePolynomial> for [f64; 4] {
-    fn from(polynomial: AnglePolynomial) -> Self {
-        polynomial.k
     }
 }
 
@@ -86,9 +51,26 @@ impl AnglePolynomial {
     }
 }
 
-impl Lens for KannalaBrandt {
+/// A [`KannalaBrandt`] fisheye with the angle up to which it is one-to-one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct KannalaBrandtLens {
+    numbers: KannalaBrandt,
+    k: AnglePolynomial,
+}
+
+impl From<KannalaBrandt> for KannalaBrandtLens {
+    fn from(numbers: KannalaBrandt) -> Self {
+        Self { numbers, k: numbers.k.into() }
+    }
+}
+
+impl Lens for KannalaBrandtLens {
     fn image(&self) -> ImageGeometry {
-        ImageGeometry { width_px: self.width_px, height_px: self.height_px, wraps: false }
+        ImageGeometry {
+            width_px: self.numbers.width_px,
+            height_px: self.numbers.height_px,
+            wraps: false,
+        }
     }
 
     fn pixel_from_camera(&self, point: &Point3<f64>) -> Option<Pixel> {
@@ -101,12 +83,16 @@ impl Lens for KannalaBrandt {
         }
         let (drawn, _) = self.k.value_and_slope(angle_rad);
         let scale = if off_axis_m > 0.0 { drawn / off_axis_m } else { 0.0 };
-        let (u, v) = (scale * point.x * self.fx + self.cx, scale * point.y * self.fy + self.cy);
+        let (u, v) = (
+            scale * point.x * self.numbers.fx + self.numbers.cx,
+            scale * point.y * self.numbers.fy + self.numbers.cy,
+        );
         finite_pixel(u, v, distance_m)
     }
 
     fn ray_from_pixel(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let (x, y) = ((u - self.cx) / self.fx, (v - self.cy) / self.fy);
+        let (x, y) =
+            ((u - self.numbers.cx) / self.numbers.fx, (v - self.numbers.cy) / self.numbers.fy);
         let drawn = x.hypot(y);
         let (sin, cos) = self.k.angle_rad(drawn)?.sin_cos();
         let scale = if drawn > 0.0 { sin / drawn } else { 0.0 };
@@ -121,8 +107,11 @@ mod tests {
     use crate::camera::lens::tests::posed;
     use proptest::prelude::*;
 
-    fn lens(k: [f64; 4]) -> KannalaBrandt {
-        let k = k.into();
+    fn lens(k: [f64; 4]) -> KannalaBrandtLens {
+        numbers(k).into()
+    }
+
+    fn numbers(k: [f64; 4]) -> KannalaBrandt {
         KannalaBrandt {
             width_px: 800,
             height_px: 800,
@@ -173,13 +162,6 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_fisheye_is_written_with_its_four_coefficients() {
-        let text = serde_json::to_string(&lens(FISHEYE)).unwrap();
-        assert!(text.ends_with(r#""k":[-0.02,0.01,-0.008,0.0015]}"#), "{text}");
-        assert_eq!(serde_json::from_str::<KannalaBrandt>(&text).unwrap(), lens(FISHEYE));
-    }
-
     proptest! {
         #[test]
         fn pixels_survive_the_round_trip(u in 0.0..800.0, v in 0.0..800.0) {
@@ -207,7 +189,7 @@ mod tests {
 
         #[test]
         fn nothing_panics(p in prop::array::uniform3(any::<f64>()), k in prop::array::uniform4(any::<f64>())) {
-            let lens = KannalaBrandt { fx: k[0], cx: k[1], ..lens(k) };
+            let lens = KannalaBrandtLens::from(KannalaBrandt { fx: k[0], cx: k[1], ..numbers(k) });
             lens.pixel_from_camera(&p.into());
             lens.ray_from_pixel(p[0], p[1]);
         }

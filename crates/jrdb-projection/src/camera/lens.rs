@@ -1,10 +1,11 @@
 //! What a lens is, and how a lens on a robot is a camera.
 
 use jrdb_types::ImageGeometry;
+use jrdb_types::rig::FORWARD_CAMERA;
 use nalgebra::{Isometry3, Point3, Unit, Vector3};
-use serde::{Deserialize, Serialize};
 
-use super::{CameraModel, Pixel, pose};
+use super::{CameraModel, Pixel};
+use crate::frame;
 
 /// A camera in its own frame: x right, y down, z forward, metres.
 pub trait Lens {
@@ -23,41 +24,91 @@ pub trait Lens {
     fn ray_origin(&self, _u: f64, _v: f64) -> Point3<f64> {
         Point3::origin()
     }
+
+    /// The pixels of many points at once; NaN where a point has none.
+    ///
+    /// A model that overrides this for speed states how far it may differ from
+    /// [`Lens::pixel_from_camera`].
+    fn pixels_from_camera(&self, points: &Columns<'_>, pixels: &mut PixelColumns<'_>) {
+        let points = points.x.iter().zip(points.y).zip(points.z);
+        let pixels = pixels.u.iter_mut().zip(&mut *pixels.v);
+        for (((&x, &y), &z), (u, v)) in points.zip(pixels) {
+            let point = Point3::new(x, y, z).cast::<f64>();
+            let pixel = self.pixel_from_camera(&point);
+            (*u, *v) = pixel.map_or((f32::NAN, f32::NAN), |p| (p.u as f32, p.v as f32));
+        }
+    }
+}
+
+/// Coordinates of points, column by column, metres; equally long.
+#[derive(Debug, Clone, Copy)]
+#[expect(missing_docs, reason = "the three axes")]
+pub struct Columns<'a> {
+    pub x: &'a [f32],
+    pub y: &'a [f32],
+    pub z: &'a [f32],
+}
+
+/// Where pixels are written: columns `u` and rows `v`, as long as the points.
+#[derive(Debug)]
+#[expect(missing_docs, reason = "the two axes")]
+pub struct PixelColumns<'a> {
+    pub u: &'a mut [f32],
+    pub v: &'a mut [f32],
 }
 
 /// A lens and where it sits on the robot.
 ///
-/// As JSON, the pose is a rotation matrix, row by row, and a translation in metres; reading refuses a
-/// matrix that is no rotation (see [`Pose`](super::Pose)).
-///
 /// ```
 /// use jrdb_projection::CameraModel;
-/// use jrdb_projection::camera::{DistortionModel, Pinhole, PosedCamera};
-/// use jrdb_projection::nalgebra::Point3;
+/// use jrdb_projection::camera::PosedCamera;
+/// use jrdb_projection::nalgebra::{Point3, Vector3};
+/// use jrdb_types::lens::Equirectangular;
 ///
-/// // Looks forward from 0.3 m above the base frame's origin.
-/// let camera: PosedCamera<Pinhole> = serde_json::from_str(r#"{
-///     "lens": {
-///         "width_px": 640, "height_px": 480, "fx": 500.0, "fy": 500.0, "cx": 320.0, "cy": 240.0,
-///         "distortion": "none"
-///     },
-///     "camera_from_base": {
-///         "rotation": [[0, -1, 0], [0, 0, -1], [1, 0, 0]],
-///         "translation_m": [0, 0.3, 0]
-///     }
-/// }"#).unwrap();
-/// let pixel = camera.pixel_from_base(&Point3::new(5.0, 1.0, 0.3)).unwrap();
-/// assert!((pixel.u - 220.0).abs() < 1e-9); // a metre to the left
-/// assert!((pixel.v - 240.0).abs() < 1e-9);
+/// let mut camera = PosedCamera::ahead(Equirectangular { width_px: 800, height_px: 400 });
+/// camera.camera_from_base.translation.vector = Vector3::new(0.0, 0.3, 0.0); // y down: 0.3 m above the base
+/// let pixel = camera.pixel_from_base(&Point3::new(5.0, 0.0, 0.3)).unwrap();
+/// assert!((pixel.u - 400.0).abs() < 1e-9 && (pixel.v - 200.0).abs() < 1e-9);
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct PosedCamera<L> {
     /// How rays become pixels.
     pub lens: L,
     /// Takes a point of the base frame to the camera frame (x right, y down, z forward), metres.
-    #[serde(with = "pose::layout")]
     pub camera_from_base: Isometry3<f64>,
+}
+
+impl<L> PosedCamera<L> {
+    /// A camera at the base frame's origin that looks straight ahead, along +x, upright.
+    pub fn ahead(lens: L) -> Self {
+        let turned = frame::rotation(&FORWARD_CAMERA).expect("the constant is a rotation");
+        Self { lens, camera_from_base: Isometry3::from_parts(Default::default(), turned.inverse()) }
+    }
+}
+
+/// A lens of whatever model a rig names.
+pub type AnyLens = Box<dyn Lens + Send + Sync>;
+
+impl Lens for AnyLens {
+    fn image(&self) -> ImageGeometry {
+        (**self).image()
+    }
+
+    fn pixel_from_camera(&self, point: &Point3<f64>) -> Option<Pixel> {
+        (**self).pixel_from_camera(point)
+    }
+
+    fn ray_from_pixel(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
+        (**self).ray_from_pixel(u, v)
+    }
+
+    fn ray_origin(&self, u: f64, v: f64) -> Point3<f64> {
+        (**self).ray_origin(u, v)
+    }
+
+    fn pixels_from_camera(&self, points: &Columns<'_>, pixels: &mut PixelColumns<'_>) {
+        (**self).pixels_from_camera(points, pixels);
+    }
 }
 
 impl<L: Lens> CameraModel for PosedCamera<L> {
@@ -105,13 +156,13 @@ pub(super) fn wrapped(u: f64, width_px: f64) -> f64 {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::camera::{Equirectangular, Pose};
+    use jrdb_types::lens::Equirectangular;
 
     /// A camera that looks forward from 0.1 m ahead of, 0.2 m left of and 0.3 m above the base frame.
     pub(in crate::camera) fn posed<L>(lens: L) -> PosedCamera<L> {
-        let rotation = [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]];
-        let pose = Pose { rotation, translation_m: [0.2, 0.3, -0.1] };
-        PosedCamera { lens, camera_from_base: pose.try_into().unwrap() }
+        let rotation = frame::rotation(&FORWARD_CAMERA).unwrap();
+        let base_from_camera = Isometry3::from_parts(Vector3::new(0.1, 0.2, 0.3).into(), rotation);
+        PosedCamera { lens, camera_from_base: base_from_camera.inverse() }
     }
 
     #[test]
@@ -123,20 +174,5 @@ pub(super) mod tests {
         assert!((pixel.v - 200.0).abs() < 1e-9 && (pixel.depth_m - 5.0).abs() < 1e-12);
         let ray = camera.ray_from_pixel(200.0, 200.0).unwrap();
         assert!((ray.into_inner() - Vector3::y()).norm() < 1e-12);
-    }
-
-    #[test]
-    fn a_posed_camera_survives_its_file() {
-        let camera = posed(Equirectangular { width_px: 800, height_px: 400 });
-        let text = serde_json::to_string(&camera).unwrap();
-        let again: PosedCamera<Equirectangular> = serde_json::from_str(&text).unwrap();
-        assert_eq!(again.lens, camera.lens);
-        assert!((again.center() - camera.center()).norm() < 1e-14);
-        let extra = text.replacen('{', r#"{"fps":30,"#, 1);
-        let error = serde_json::from_str::<PosedCamera<Equirectangular>>(&extra).unwrap_err();
-        assert!(error.to_string().contains("unknown field `fps`"), "{error}");
-        let skewed = text.replacen("-1.0", "-0.9", 1);
-        let error = serde_json::from_str::<PosedCamera<Equirectangular>>(&skewed).unwrap_err();
-        assert!(error.to_string().contains("off orthonormal by 1.9e-1"), "{error} in {skewed}");
     }
 }

@@ -1,13 +1,16 @@
 //! Camera models: from points of the base frame to pixels and back.
 //!
-//! Two ways to be a [`CameraModel`]: JRDB's official panorama is one by itself, and a [`Lens`] becomes
-//! one in a [`PosedCamera`], which says where the lens sits on the robot.
+//! A [`Lens`] draws points of its own frame; in a [`PosedCamera`], which says where the lens sits on the robot,
+//! it is a [`CameraModel`] of the base frame. Anything else may be a [`CameraModel`] too.
 //!
 //! No model folds back: a point beyond the angle up to which a lens is one-to-one has no pixel, rather
 //! than a wrong one inside the image.
 //!
-//! To add a model: one file here with its struct, `impl Lens` (or `impl CameraModel`) and a test that
-//! calls [`check_round_trip`]; one `mod` line and one `pub use` below.
+//! # Adding a model
+//!
+//! Two files. One new file here: `impl Lens` for the struct with its numbers, known points, and a test that
+//! calls [`check_round_trip`]. One `mod` line below. If rig files are to name it, its numbers are a struct and
+//! a variant in `jrdb-types/src/lens.rs`, and [`any_lens`] gets an arm.
 
 mod cylindrical;
 mod distortion;
@@ -17,20 +20,103 @@ mod kannala_brandt;
 mod lens;
 mod monotonic;
 mod pinhole;
-mod pose;
-mod stitched_cylindrical;
+pub mod stitched_cylindrical;
 
-use jrdb_types::ImageGeometry;
+use jrdb_types::{ImageGeometry, LensModel};
 use nalgebra::{Point3, Unit, Vector3};
 
-pub use distortion::{Distortion, DistortionError, DistortionModel};
-pub use double_sphere::DoubleSphere;
-pub use equirectangular::Equirectangular;
-pub use kannala_brandt::{AnglePolynomial, KannalaBrandt};
-pub use lens::{Lens, PosedCamera};
-pub use pinhole::Pinhole;
-pub use pose::{Pose, PoseError};
-pub use stitched_cylindrical::{StitchView, StitchedCylindrical};
+pub use distortion::Distortion;
+pub use kannala_brandt::{AnglePolynomial, KannalaBrandtLens};
+pub use lens::{AnyLens, Columns, Lens, PixelColumns, PosedCamera};
+pub use pinhole::PinholeLens;
+
+/// Why numbers make no lens.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum LensError {
+    /// A number is not finite, or not over 0 where it has to be.
+    #[error("expected {field} to be {expected}, found {found}")]
+    BadNumber {
+        /// Which number.
+        field: &'static str,
+        /// What it has to be.
+        expected: &'static str,
+        /// What it is.
+        found: f64,
+    },
+    /// A stitched panorama without views shows nothing.
+    #[error("expected at least one view in a stitched panorama, found none")]
+    NoViews,
+}
+
+/// The lens that a rig describes.
+///
+/// # Errors
+/// [`LensError`] when the numbers make no lens: a size or focal length that is not over 0, anything not
+/// finite.
+pub fn any_lens(model: &LensModel) -> Result<AnyLens, LensError> {
+    let image = model.image();
+    positive("width_px", f64::from(image.width_px))?;
+    positive("height_px", f64::from(image.height_px))?;
+    match model {
+        LensModel::Pinhole(lens) => {
+            pinhole_numbers(lens.fx, lens.fy, lens.cx, lens.cy)?;
+            Ok(Box::new(PinholeLens::from(*lens)))
+        }
+        LensModel::KannalaBrandt(lens) => {
+            pinhole_numbers(lens.fx, lens.fy, lens.cx, lens.cy)?;
+            lens.k.iter().try_for_each(|&k| finite("k", k))?;
+            Ok(Box::new(KannalaBrandtLens::from(*lens)))
+        }
+        LensModel::DoubleSphere(lens) => {
+            pinhole_numbers(lens.fx, lens.fy, lens.cx, lens.cy)?;
+            finite("xi", lens.xi)?;
+            let within = (0.0..=1.0).contains(&lens.alpha);
+            expect(within, "alpha", "in [0, 1]", lens.alpha)?;
+            Ok(Box::new(*lens))
+        }
+        LensModel::Equirectangular(lens) => Ok(Box::new(*lens)),
+        LensModel::Cylindrical(lens) => {
+            positive("focal_px", lens.focal_px)?;
+            finite("horizon_px", lens.horizon_px)?;
+            Ok(Box::new(*lens))
+        }
+        LensModel::StitchedCylindrical(lens) => {
+            positive("focal_px", lens.focal_px)?;
+            positive("radius_m", lens.radius_m)?;
+            finite("horizon_px", lens.horizon_px)?;
+            finite("column_offset_px", lens.column_offset_px)?;
+            let views =
+                lens.views.iter().flat_map(|v| v.center_m.into_iter().chain([v.azimuth_rad]));
+            views.into_iter().try_for_each(|number| finite("views", number))?;
+            if lens.views.is_empty() { Err(LensError::NoViews) } else { Ok(Box::new(lens.clone())) }
+        }
+    }
+}
+
+fn pinhole_numbers(fx: f64, fy: f64, cx: f64, cy: f64) -> Result<(), LensError> {
+    positive("fx", fx)?;
+    positive("fy", fy)?;
+    finite("cx", cx)?;
+    finite("cy", cy)
+}
+
+fn positive(field: &'static str, found: f64) -> Result<(), LensError> {
+    expect(found.is_finite() && found > 0.0, field, "finite and over 0", found)
+}
+
+fn finite(field: &'static str, found: f64) -> Result<(), LensError> {
+    expect(found.is_finite(), field, "finite", found)
+}
+
+fn expect(
+    holds: bool,
+    field: &'static str,
+    expected: &'static str,
+    found: f64,
+) -> Result<(), LensError> {
+    if holds { Ok(()) } else { Err(LensError::BadNumber { field, expected, found }) }
+}
 
 /// Where a point falls in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,40 +1,42 @@
 //! The pinhole with OpenCV's distortion.
 
 use jrdb_types::ImageGeometry;
+use jrdb_types::lens::Pinhole;
 use nalgebra::{Point2, Point3, Unit, Vector3};
-use serde::{Deserialize, Serialize};
 
 use super::lens::{finite_pixel, finite_ray};
 use super::{Distortion, Lens, Pixel};
 
-/// A pinhole camera, distorted or rectified.
-///
-/// `u = fx x_d + cx`, `v = fy y_d + cy` with `(x_d, y_d)` the [`Distortion`] of `(X / Z, Y / Z)`: OpenCV's and ROS's
-/// camera matrix `K` and coefficients `D`.
+/// A [`Pinhole`] with the radius up to which its distortion is one-to-one.
 ///
 /// Points behind the camera (`Z ≤ 0`) and beyond [`Distortion::max_radius`] have no pixel.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Pinhole {
-    /// Columns, pixels.
-    pub width_px: u32,
-    /// Rows, pixels.
-    pub height_px: u32,
-    /// Columns per unit `x_d`, pixels.
-    pub fx: f64,
-    /// Rows per unit `y_d`, pixels.
-    pub fy: f64,
-    /// Column of the optical axis, pixels.
-    pub cx: f64,
-    /// Row of the optical axis, pixels.
-    pub cy: f64,
-    /// What bends straight lines; `"none"` for a rectified image.
-    pub distortion: Distortion,
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PinholeLens {
+    numbers: Pinhole,
+    distortion: Distortion,
 }
 
-impl Lens for Pinhole {
+impl From<Pinhole> for PinholeLens {
+    fn from(numbers: Pinhole) -> Self {
+        Self { numbers, distortion: numbers.distortion.into() }
+    }
+}
+
+impl PinholeLens {
+    /// The distortion, with the radius up to which it is one-to-one.
+    #[must_use]
+    pub fn distortion(&self) -> &Distortion {
+        &self.distortion
+    }
+}
+
+impl Lens for PinholeLens {
     fn image(&self) -> ImageGeometry {
-        ImageGeometry { width_px: self.width_px, height_px: self.height_px, wraps: false }
+        ImageGeometry {
+            width_px: self.numbers.width_px,
+            height_px: self.numbers.height_px,
+            wraps: false,
+        }
     }
 
     fn pixel_from_camera(&self, point: &Point3<f64>) -> Option<Pixel> {
@@ -42,11 +44,18 @@ impl Lens for Pinhole {
             return None;
         }
         let drawn = self.distortion.distort(&Point2::new(point.x / point.z, point.y / point.z))?;
-        finite_pixel(self.fx * drawn.x + self.cx, self.fy * drawn.y + self.cy, point.z)
+        finite_pixel(
+            self.numbers.fx * drawn.x + self.numbers.cx,
+            self.numbers.fy * drawn.y + self.numbers.cy,
+            point.z,
+        )
     }
 
     fn ray_from_pixel(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let drawn = Point2::new((u - self.cx) / self.fx, (v - self.cy) / self.fy);
+        let drawn = Point2::new(
+            (u - self.numbers.cx) / self.numbers.fx,
+            (v - self.numbers.cy) / self.numbers.fy,
+        );
         let ideal = self.distortion.undistort(&drawn)?;
         finite_ray(Vector3::new(ideal.x, ideal.y, 1.0))
     }
@@ -55,13 +64,13 @@ impl Lens for Pinhole {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::camera::check_round_trip;
     use crate::camera::distortion::tests::{BARREL, models};
     use crate::camera::lens::tests::posed;
-    use crate::camera::{DistortionModel, check_round_trip};
+    use jrdb_types::lens::DistortionModel;
     use proptest::prelude::*;
 
-    fn lens(model: DistortionModel) -> Pinhole {
-        let distortion = model.into();
+    fn numbers(distortion: DistortionModel) -> Pinhole {
         Pinhole {
             width_px: 640,
             height_px: 400,
@@ -71,6 +80,10 @@ mod tests {
             cy: 206.0,
             distortion,
         }
+    }
+
+    fn lens(distortion: DistortionModel) -> PinholeLens {
+        numbers(distortion).into()
     }
 
     #[test]
@@ -131,7 +144,7 @@ mod tests {
         #[test]
         fn nothing_panics(p in prop::array::uniform3(any::<f64>()), k in prop::array::uniform4(any::<f64>())) {
             let [fx, fy, cx, cy] = k;
-            let lens = Pinhole { fx, fy, cx, cy, ..lens(BARREL) };
+            let lens = PinholeLens::from(Pinhole { fx, fy, cx, cy, ..numbers(BARREL) });
             lens.pixel_from_camera(&p.into());
             lens.ray_from_pixel(p[0], p[1]);
         }

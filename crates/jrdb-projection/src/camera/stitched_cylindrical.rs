@@ -3,103 +3,52 @@
 use std::f64::consts::{PI, TAU};
 
 use jrdb_types::ImageGeometry;
-use nalgebra::{Isometry3, Point3, Unit, Vector2, Vector3};
-use serde::{Deserialize, Serialize};
+use jrdb_types::lens::{StitchView, StitchedCylindrical};
+use nalgebra::{Point3, Unit, Vector2, Vector3};
 
 use super::lens::{finite_pixel, finite_ray, wrapped};
 use super::{Lens, Pixel};
 
-/// One of the cameras whose pictures were stitched, in the rig's frame: x right, y down, z forward.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StitchView {
-    /// Where it looks: `atan2(x, z)` of its optical axis, radians, positive to the right.
-    pub azimuth_rad: f64,
-    /// Its centre `[x, y, z]`, metres; nearer to the rig's axis than the cylinder is.
-    pub center_m: [f64; 3],
+/// The pixel of a point in the picture of one view, whether or not that view is the nearest: within the
+/// stripes where two views are blended, both pixels show the point.
+#[must_use]
+pub fn pixel_through_view(
+    lens: &StitchedCylindrical,
+    view: &StitchView,
+    point: &Point3<f64>,
+) -> Option<Pixel> {
+    let center = Point3::from(view.center_m);
+    let ray = point - center;
+    let hit = center + ray * reach(lens.radius_m, &center, &ray)?;
+    let width = f64::from(lens.width_px);
+    let u = (0.5 + azimuth_rad(&hit) / TAU) * width + lens.column_offset_px;
+    let v = lens.focal_px * hit.y / lens.radius_m + lens.horizon_px;
+    finite_pixel(wrapped(u, width), v, ray.xz().norm())
 }
 
-impl StitchView {
-    /// The view of a camera with this pose.
-    #[must_use]
-    pub fn of_camera(camera_from_rig: &Isometry3<f64>) -> Self {
-        let axis = camera_from_rig.rotation.inverse() * Vector3::z();
-        let center = camera_from_rig.inverse_transform_point(&Point3::origin());
-        Self { azimuth_rad: axis.x.atan2(axis.z), center_m: center.into() }
-    }
+/// How many times the ray must be taken to get from a centre inside the cylinder to its wall.
+fn reach(radius_m: f64, center: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
+    let (start, step) = (Vector2::new(center.x, center.z), ray.xz());
+    let a = step.norm_squared();
+    let b = start.dot(&step);
+    let c = start.norm_squared() - radius_m * radius_m;
+    // c < 0: the centre is inside, and of the two meetings exactly one lies ahead.
+    let ahead = a > 0.0 && c < 0.0;
+    ahead.then(|| ((b * b - a * c).sqrt() - b) / a).filter(|reach| reach.is_finite())
 }
 
-/// Pictures of several views, re-projected on the cylinder of radius `ρ0` around the rig's vertical axis.
-///
-/// The ray from a view's centre through the point meets the cylinder in `X`, and
-/// `u = (1/2 + atan2(X.x, X.z) / 2π) · W + u0 mod W`, `v = F · X.y / ρ0 + c`.
-/// A point at distance `ρ0` is drawn where a camera on the axis would see it; nearer and farther ones are
-/// displaced by the parallax between the view's centre and the axis.
-///
-/// The view is the one whose azimuth is nearest to the point's. Close to the border between two views a
-/// point farther than `ρ0` may be in the image twice and a nearer one not at all; the model gives the pixel in
-/// its nearest view. For the same reason a pixel less than the parallax (about 1° in JRDB) from a border
-/// may come back from [`Lens::ray_from_pixel`] as the point's other image.
-///
-/// JRDB's panorama is fitted by `ρ0` = 1.7143 m, `F` = 514.24, `c` = 199.431, `u0` = -1.059 and the views of
-/// `sensor_0` to `sensor_4` of its `cameras.yaml`, to 0.3 px in the median on a frame of bytes-cafe-2019-02-07_0.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct StitchedCylindrical {
-    /// W, columns, pixels: 360°.
-    pub width_px: u32,
-    /// Rows, pixels.
-    pub height_px: u32,
-    /// `ρ0`, the cylinder's radius, metres.
-    pub radius_m: f64,
-    /// F, rows per unit slope, pixels.
-    pub focal_px: f64,
-    /// c, the row of the horizon, pixels.
-    pub horizon_px: f64,
-    /// `u0`: the forward column is `W / 2 + u0`, pixels.
-    pub column_offset_px: f64,
-    /// The cameras.
-    pub views: Vec<StitchView>,
+/// The point of the cylinder that is drawn at a pixel.
+fn wall(lens: &StitchedCylindrical, u: f64, v: f64) -> Point3<f64> {
+    let turn = (u - lens.column_offset_px) / f64::from(lens.width_px) - 0.5;
+    let (sin, cos) = (TAU * turn).sin_cos();
+    let y = (v - lens.horizon_px) / lens.focal_px;
+    Point3::new(sin, y, cos) * lens.radius_m
 }
 
-impl StitchedCylindrical {
-    /// The pixel of a point in the picture of one view, whether or not that view is the nearest: within the
-    /// stripes where two views are blended, both pixels show the point.
-    #[must_use]
-    pub fn pixel_through_view(&self, view: &StitchView, point: &Point3<f64>) -> Option<Pixel> {
-        let center = Point3::from(view.center_m);
-        let ray = point - center;
-        let hit = center + ray * self.reach(&center, &ray)?;
-        let width = f64::from(self.width_px);
-        let u = (0.5 + azimuth_rad(&hit) / TAU) * width + self.column_offset_px;
-        let v = self.focal_px * hit.y / self.radius_m + self.horizon_px;
-        finite_pixel(wrapped(u, width), v, ray.xz().norm())
-    }
-
-    /// How many times the ray must be taken to get from a centre inside the cylinder to its wall.
-    fn reach(&self, center: &Point3<f64>, ray: &Vector3<f64>) -> Option<f64> {
-        let (start, step) = (Vector2::new(center.x, center.z), ray.xz());
-        let a = step.norm_squared();
-        let b = start.dot(&step);
-        let c = start.norm_squared() - self.radius_m * self.radius_m;
-        // c < 0: the centre is inside, and of the two meetings exactly one lies ahead.
-        let ahead = a > 0.0 && c < 0.0;
-        ahead.then(|| ((b * b - a * c).sqrt() - b) / a).filter(|reach| reach.is_finite())
-    }
-
-    /// The point of the cylinder that is drawn at a pixel.
-    fn wall(&self, u: f64, v: f64) -> Point3<f64> {
-        let turn = (u - self.column_offset_px) / f64::from(self.width_px) - 0.5;
-        let (sin, cos) = (TAU * turn).sin_cos();
-        let y = (v - self.horizon_px) / self.focal_px;
-        Point3::new(sin, y, cos) * self.radius_m
-    }
-
-    fn nearest_view(&self, azimuth_rad: f64) -> Option<&StitchView> {
-        let apart =
-            |view: &StitchView| ((azimuth_rad - view.azimuth_rad + PI).rem_euclid(TAU) - PI).abs();
-        self.views.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))
-    }
+fn nearest_view(lens: &StitchedCylindrical, azimuth_rad: f64) -> Option<&StitchView> {
+    let apart =
+        |view: &StitchView| ((azimuth_rad - view.azimuth_rad + PI).rem_euclid(TAU) - PI).abs();
+    lens.views.iter().min_by(|a, b| apart(a).total_cmp(&apart(b)))
 }
 
 fn azimuth_rad(point: &Point3<f64>) -> f64 {
@@ -116,18 +65,18 @@ impl Lens for StitchedCylindrical {
         if on_axis {
             return None;
         }
-        self.pixel_through_view(self.nearest_view(azimuth_rad(point))?, point)
+        pixel_through_view(self, nearest_view(self, azimuth_rad(point))?, point)
     }
 
     fn ray_from_pixel(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let wall = self.wall(u, v);
-        let center = Point3::from(self.nearest_view(azimuth_rad(&wall))?.center_m);
+        let wall = wall(self, u, v);
+        let center = Point3::from(nearest_view(self, azimuth_rad(&wall))?.center_m);
         finite_ray(wall - center)
     }
 
     /// The centre of the view that shows the pixel.
     fn ray_origin(&self, u: f64, v: f64) -> Point3<f64> {
-        let view = self.nearest_view(azimuth_rad(&self.wall(u, v)));
+        let view = nearest_view(self, azimuth_rad(&wall(self, u, v)));
         view.map_or_else(Point3::origin, |view| view.center_m.into())
     }
 }
@@ -212,24 +161,6 @@ mod tests {
         assert_eq!(blind.pixel_from_camera(&Point3::new(0.0, 0.0, 1.0)), None);
         let outside = StitchedCylindrical { radius_m: 0.05, ..lens() };
         assert_eq!(outside.pixel_from_camera(&Point3::new(0.0, 0.0, 1.0)), None);
-    }
-
-    #[test]
-    fn a_view_is_read_off_a_cameras_pose() {
-        let turned = Isometry3::rotation(Vector3::y() * -0.5); // the camera looks to the right
-        let camera_from_rig = turned * Isometry3::translation(-0.01, -0.02, -0.03);
-        let view = StitchView::of_camera(&camera_from_rig);
-        assert!((view.azimuth_rad - 0.5).abs() < 1e-12);
-        assert!((Point3::from(view.center_m) - Point3::new(0.01, 0.02, 0.03)).norm() < 1e-15);
-    }
-
-    #[test]
-    fn a_stitched_panorama_survives_its_file() {
-        let text = serde_json::to_string(&lens()).unwrap();
-        assert_eq!(serde_json::from_str::<StitchedCylindrical>(&text).unwrap(), lens());
-        assert!(
-            serde_json::from_str::<StitchedCylindrical>(&text.replace("center_m", "c")).is_err()
-        );
     }
 
     proptest! {

@@ -12,5 +12,5 @@ pub struct Located {
     /// Centre, metres, base frame.
     pub center: nalgebra::Point3<f64>,
     /// Indices into the cloud of the points that the rule used, ascending.
-    pub used: Vec<usize>,
+    pub used: Vec<u32>,
 }

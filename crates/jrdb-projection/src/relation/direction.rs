@@ -38,7 +38,9 @@ fn sector_of_degrees(angle: f64) -> Sector {
     }
 }
 
-fn elevation(rise_m: f64) -> Elevation {
+/// The word for a height difference, metres: up or down beyond [`LEVEL_RISE_MAX_M`].
+#[must_use]
+pub fn elevation(rise_m: f64) -> Elevation {
     match rise_m {
         rise if rise > LEVEL_RISE_MAX_M => Elevation::Up,
         rise if rise < -LEVEL_RISE_MAX_M => Elevation::Down,

@@ -1,10 +1,71 @@
-//! Where things are, seen from the robot and from each other: the paper's f_geo.
+//! Where things are, seen from the robot and from each other, and what else holds between them: the paper's
+//! f_geo. One file per relation, with its exact definition.
 
+pub mod adjacency;
+pub mod between;
+pub mod certainty;
 pub mod direction;
 pub mod distance;
+pub mod facing;
+pub mod height;
+pub mod motion;
+pub mod occlusion;
+pub mod overlap;
+pub mod pairwise;
+mod polygon;
+mod relate;
+#[cfg(test)]
+mod tests;
 
 use jrdb_types::{LateralConvention, SpatialRelation};
 use nalgebra::{Point3, Vector3};
+use serde::{Deserialize, Serialize};
+
+pub use pairwise::Pairwise;
+pub use relate::{Thing, between_all, relate};
+
+/// Every threshold of the relations that the benchmark does not define.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct RelationConfig {
+    /// "Next to" holds up to this gap between the boxes, metres: within an arm's reach.
+    pub adjacent_max_m: f64,
+    /// Somebody in front must be nearer to the robot than whom they hide by this much, metres: half a person's
+    /// depth, so that neighbours at one range hide nothing of each other.
+    pub hides_clearance_m: f64,
+    /// "In front of" (as hiding) holds from this share of the hidden image box. People fill about half of
+    /// their boxes, so less than a tenth is often nothing.
+    pub hides_min_fraction: f64,
+    /// Nobody "faces" what is farther than this, metres: the end of the word "moderate".
+    pub facing_max_m: f64,
+    /// "Between" holds up to this distance from the straight line, metres: half a person's width and a step.
+    pub between_max_offset_m: f64,
+    /// Whoever is "between" is at least this far along the line from either end, metres: not beside one of them.
+    pub between_min_inside_m: f64,
+    /// The two ends of "between" are at most this far apart, metres: the end of the word "moderate".
+    pub between_max_apart_m: f64,
+    /// Slower than this is standing, metres per second: a third of a slow walk.
+    pub moving_min_mps: f64,
+    /// "Moving with" holds up to this angle between the velocities, radians.
+    pub same_direction_rad: f64,
+}
+
+impl Default for RelationConfig {
+    /// Lengths of a person's body and reach, and the benchmark's word bounds; see each field.
+    fn default() -> Self {
+        Self {
+            adjacent_max_m: 0.5,
+            hides_clearance_m: 0.3,
+            hides_min_fraction: 0.1,
+            facing_max_m: 5.0,
+            between_max_offset_m: 0.5,
+            between_min_inside_m: 0.3,
+            between_max_apart_m: 5.0,
+            moving_min_mps: 0.3,
+            same_direction_rad: std::f64::consts::FRAC_PI_6,
+        }
+    }
+}
 
 /// Wraps an angle into (-π, π], radians.
 #[must_use]
@@ -59,54 +120,5 @@ fn apart(offset: &Vector3<f64>) -> SpatialRelation {
         distance_m: Some(distance_m),
         rise_m: Some(offset.z),
         ..SpatialRelation::default()
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    fn points() -> impl Strategy<Value = Point3<f64>> {
-        (-9.0..9.0, -9.0..9.0, -1.0..1.0).prop_map(|(x, y, z)| Point3::new(x, y, z))
-    }
-
-    proptest! {
-        #[test]
-        fn distance_is_symmetric(a in points(), b in points()) {
-            let there = from_person(&a, None, &b, LateralConvention::Physical);
-            let back = from_person(&b, None, &a, LateralConvention::Physical);
-            prop_assert_eq!(there.distance_m, back.distance_m);
-            prop_assert_eq!(there.direction, None);
-        }
-
-        #[test]
-        fn turning_and_moving_the_whole_scene_changes_no_bearing(
-            a in points(), b in points(), heading in -3.0..3.0, turn in -3.0..3.0, shift in points(),
-        ) {
-            prop_assume!((a - b).xy().norm() > 0.1);
-            let rotation = nalgebra::Rotation3::from_axis_angle(&Vector3::z_axis(), turn);
-            let moved = |p: &Point3<f64>| rotation * p + shift.coords;
-            let before = from_person(&a, Some(heading), &b, LateralConvention::Physical);
-            let after =
-                from_person(&moved(&a), Some(heading + turn), &moved(&b), LateralConvention::Physical);
-            let change = wrap_rad(before.bearing_rad.unwrap() - after.bearing_rad.unwrap());
-            prop_assert!(change.abs() < 1e-9);
-        }
-
-        #[test]
-        fn facing_the_other_way_exchanges_front_and_back(a in points(), b in points(), heading in -3.0..3.0) {
-            let seen = |heading| from_person(&a, Some(heading), &b, LateralConvention::Physical);
-            let there = seen(heading).bearing_rad.unwrap();
-            let turned = seen(heading + std::f64::consts::PI).bearing_rad.unwrap();
-            prop_assert!((wrap_rad(there - turned).abs() - std::f64::consts::PI).abs() < 1e-9);
-        }
-
-        #[test]
-        fn wrapped_angles_lie_in_one_turn(angle in -100.0..100.0) {
-            let wrapped = wrap_rad(angle);
-            prop_assert!(wrapped > -std::f64::consts::PI && wrapped <= std::f64::consts::PI);
-            prop_assert!((wrapped.sin() - f64::sin(angle)).abs() < 1e-9);
-        }
     }
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use jrdb_types::Image;
-use jrdb_types::rig::CylindricalPanorama;
 
+use crate::synth::robot::Panorama;
 use crate::synth::room::{Above, Color, FLOOR_M, Panel, Room, WallHit};
 
 /// Width of the joints between tiles, of a panel's frame and of the strip between wall and plinth,
@@ -19,8 +19,8 @@ const LAMP_M: [f64; 2] = [0.6, 0.15];
 const SKY: [Color; 3] = [[214, 230, 240], [190, 216, 236], [164, 200, 230]];
 
 /// The picture of a room without anything in it, four rays per pixel.
-pub(super) fn background(room: &Room, camera: &CylindricalPanorama) -> Image {
-    let (width, height) = (camera.width_px as usize, camera.height_px as usize);
+pub(super) fn background(room: &Room, camera: &Panorama) -> Image {
+    let (width, height) = (camera.lens.width_px as usize, camera.lens.height_px as usize);
     let mut image = Image::filled(width, height, [0; 3]);
     for column in 0..width {
         let rays = [0.25, 0.75].map(|part| {
@@ -30,7 +30,7 @@ pub(super) fn background(room: &Room, camera: &CylindricalPanorama) -> Image {
         for row in 0..height {
             let mut sum = [0_u16; 3];
             for part in [0.25, 0.75] {
-                let slope = (camera.horizon_px - (row as f64 + part)) / camera.focal_px;
+                let slope = (camera.lens.horizon_px - (row as f64 + part)) / camera.lens.focal_px;
                 for (hit, direction) in &rays {
                     let color = seen(room, hit, *direction, slope);
                     sum.iter_mut().zip(color).for_each(|(sum, value)| *sum += u16::from(value));

@@ -7,11 +7,11 @@ mod pen;
 mod person;
 mod solids;
 
-use jrdb_types::rig::CylindricalPanorama;
 use jrdb_types::{EntityId, Image, PixelBox};
 
 use super::furniture::{Furniture, Part, chair, placed};
 use super::person::{Person, Pose};
+use super::robot::Panorama;
 use super::room::{Color, Room};
 use canvas::{Canvas, Extent};
 use person::Facing;
@@ -56,12 +56,7 @@ impl Subject<'_> {
         }
     }
 
-    fn draw(
-        &self,
-        canvas: &mut Canvas,
-        camera: &CylindricalPanorama,
-        instance: u8,
-    ) -> Option<Extent> {
+    fn draw(&self, canvas: &mut Canvas, camera: &Panorama, instance: u8) -> Option<Extent> {
         match self {
             Self::Furniture(thing) => solids::draw(canvas, camera, &thing.placed(), instance),
             Self::Person(person, pose) => {
@@ -88,11 +83,7 @@ pub(super) fn chair_of(person: &Person, pose: &Pose) -> [Vec<Part>; 2] {
 }
 
 /// Draws a room and what is in it; at most 255 subjects get pixels of their own.
-pub(super) fn paint(
-    room: &Room,
-    subjects: &[Subject<'_>],
-    camera: &CylindricalPanorama,
-) -> Picture {
+pub(super) fn paint(room: &Room, subjects: &[Subject<'_>], camera: &Panorama) -> Picture {
     let mut canvas = Canvas::new(&background::background(room, camera));
     let mut order: Vec<usize> = (0..subjects.len()).collect();
     order.sort_by(|&a, &b| subjects[b].range_m().total_cmp(&subjects[a].range_m()));
@@ -116,12 +107,12 @@ pub(super) fn paint(
 }
 
 /// The whole pixels around an extent, inside the rows of the picture.
-fn pixel_box(extent: Extent, camera: &CylindricalPanorama) -> Option<PixelBox> {
+fn pixel_box(extent: Extent, camera: &Panorama) -> Option<PixelBox> {
     let [left, top, right, bottom] = extent.map(f64::from);
-    let rows = f64::from(camera.height_px);
+    let rows = f64::from(camera.lens.height_px);
     let (x, y) = (left.floor(), top.floor().max(0.0));
     let bbox = PixelBox { x, y, w: right.ceil() - x, h: bottom.ceil().min(rows) - y };
-    bbox.is_proper().then(|| bbox.wrapped(f64::from(camera.width_px)))
+    bbox.is_proper().then(|| bbox.wrapped(f64::from(camera.lens.width_px)))
 }
 
 /// A colour in more or less light.

@@ -2,10 +2,10 @@
 
 use jrdb_projection::camera::CameraModel;
 use jrdb_projection::nalgebra::{Point3, Vector2};
-use jrdb_types::rig::CylindricalPanorama;
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Rect, Stroke, Transform};
 
 use super::canvas::{Canvas, Extent, closed};
+use crate::synth::robot::Panorama;
 use crate::synth::room::{Color, FLOOR_M};
 
 /// A pen at the feet of somebody: `[0, 0]` is the floor below the trunk, x grows to the right of
@@ -22,14 +22,15 @@ impl<'a> Pen<'a> {
     /// A pen for somebody so tall, standing somewhere but in the robot.
     pub(super) fn new(
         canvas: &'a mut Canvas,
-        camera: &CylindricalPanorama,
+        camera: &Panorama,
         place_m: Vector2<f64>,
         height_m: f64,
         instance: u8,
     ) -> Option<Self> {
         let feet = camera.pixel_from_base(&Point3::new(place_m.x, place_m.y, FLOOR_M))?;
-        let across = f64::from(camera.width_px) / std::f64::consts::TAU * height_m / feet.depth_m;
-        let up = camera.focal_px * height_m / feet.depth_m;
+        let across =
+            f64::from(camera.lens.width_px) / std::f64::consts::TAU * height_m / feet.depth_m;
+        let up = camera.lens.focal_px * height_m / feet.depth_m;
         let (u, v) = (feet.u as f32, feet.v as f32);
         let pixels_from_body = Transform::from_row(across as f32, 0.0, 0.0, -up as f32, u, v);
         Some(Self { canvas, instance, pixels_from_body, extent: None })

@@ -2,13 +2,13 @@
 
 use jrdb_projection::nalgebra::Vector2;
 use jrdb_projection::relation::wrap_rad;
-use jrdb_types::rig::CylindricalPanorama;
 use jrdb_types::{Action, Age};
 
 use super::canvas::{Canvas, Extent};
 use super::pen::Pen;
 use super::shade;
 use crate::synth::person::{Build, CHIN, KNEE, Look, Person, Pose};
+use crate::synth::robot::Panorama;
 use crate::synth::room::Color;
 
 /// Which side of a person the robot sees.
@@ -48,7 +48,7 @@ const CANE: Color = [74, 46, 26];
 /// Draws a person and says where; nothing when they stand in the robot.
 pub(super) fn draw(
     canvas: &mut Canvas,
-    camera: &CylindricalPanorama,
+    camera: &Panorama,
     person: &Person,
     pose: &Pose,
     instance: u8,

@@ -2,11 +2,11 @@
 
 use jrdb_projection::camera::CameraModel;
 use jrdb_projection::nalgebra::{Point3, Vector2, Vector3};
-use jrdb_types::rig::CylindricalPanorama;
 
 use super::canvas::{Canvas, Extent};
 use super::shade;
 use crate::synth::furniture::Part;
+use crate::synth::robot::Panorama;
 use crate::synth::room::Color;
 use crate::synth::solid::{Shape, Solid};
 
@@ -17,7 +17,7 @@ const ROUND_CORNERS: u32 = 28;
 /// Draws the parts of one thing, farthest first, and says where.
 pub(super) fn draw(
     canvas: &mut Canvas,
-    camera: &CylindricalPanorama,
+    camera: &Panorama,
     parts: &[Part],
     instance: u8,
 ) -> Option<Extent> {
@@ -37,7 +37,7 @@ pub(super) fn draw(
 
 struct Brush<'a> {
     canvas: &'a mut Canvas,
-    camera: &'a CylindricalPanorama,
+    camera: &'a Panorama,
     instance: u8,
     extent: Option<Extent>,
 }
@@ -119,14 +119,14 @@ impl Brush<'_> {
     fn polygon(&mut self, outline: &[Point3<f64>], color: Color) {
         let pixels = outline.iter().filter_map(|point| self.camera.pixel_from_base(point));
         let mut points: Vec<[f32; 2]> = pixels.map(|p| [p.u as f32, p.v as f32]).collect();
-        unwrap_columns(&mut points, self.camera.width_px as f32);
+        unwrap_columns(&mut points, self.camera.lens.width_px as f32);
         self.canvas.polygon(&points, color, self.instance);
         for [u, v] in points {
             self.extent = Some(self.extent.map_or([u, v, u, v], |old| {
                 // The first part decides on which turn of the panorama the thing is told.
-                let turn =
-                    ((f32::midpoint(old[0], old[2]) - u) / self.camera.width_px as f32).round();
-                let u = u + turn * self.camera.width_px as f32;
+                let turn = ((f32::midpoint(old[0], old[2]) - u) / self.camera.lens.width_px as f32)
+                    .round();
+                let u = u + turn * self.camera.lens.width_px as f32;
                 [old[0].min(u), old[1].min(v), old[2].max(u), old[3].max(v)]
             }));
         }

@@ -1,14 +1,14 @@
 //! Point clouds in the PCD format (versions .5, .6 and .7): ASCII, binary and LZF-compressed.
 
 mod header;
+mod lzf;
 mod write;
-
-use std::path::Path;
 
 use jrdb_types::PointCloud;
 
-use crate::{Error, file, lzf};
-use header::{Field, Header, Kind};
+use super::ascii::{self, Word};
+use super::columns::{ByteOrder, Column, Columns};
+use header::{Header, Kept};
 pub use write::write;
 
 /// How the points of a PCD file are stored.
@@ -78,14 +78,6 @@ pub enum PcdError {
     },
 }
 
-/// Reads a PCD file as the sweep of a sensor; see [`parse`].
-///
-/// # Errors
-/// [`Error::Read`] or [`Error::Pcd`].
-pub fn read_pcd(path: &Path, sensor: &str) -> Result<PointCloud, Error> {
-    parse(&file::read(path)?, sensor).map_err(|source| Error::Pcd { path: path.into(), source })
-}
-
 /// Parses a PCD file as the sweep of a sensor.
 ///
 /// `x`, `y` and `z` must be 4- or 8-byte floats. `intensity` is kept when it is a float or an unsigned
@@ -104,74 +96,63 @@ pub fn read_pcd(path: &Path, sensor: &str) -> Result<PointCloud, Error> {
 /// [`PcdError`]; nothing is allocated for points that the file has no bytes for.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
     let (header, body) = Header::parse(bytes)?;
-    let mut cloud = PointCloud { sensor: sensor.into(), ..PointCloud::default() };
+    let rows = header.points as usize; // of a binary body, which is checked to have them
+    let little = ByteOrder::Little;
     match header.encoding {
-        Encoding::Ascii => read_ascii(&header, body, &mut cloud)?,
+        Encoding::Ascii => read_ascii(&header, body, sensor),
         Encoding::Binary => {
-            let points = body.get(..header.body_bytes(body.len())?).unwrap_or_default();
-            let columns = header.columns(|field| (field.offset, header.row_bytes));
-            read_columns(points, header.points, &columns, &mut cloud);
+            let body = body.get(..header.body_bytes(body.len())?).unwrap_or_default();
+            let columns = header.columns(|kept| (kept.offset, header.row_bytes));
+            Ok(columns.cloud(body, rows, little, sensor))
         }
         Encoding::BinaryCompressed => {
-            let points = decompress(&header, body)?;
-            let count = header.points as usize;
-            let columns = header.columns(|field| (field.offset * count, field.size * field.count));
-            read_columns(&points, header.points, &columns, &mut cloud);
+            let body = decompress(&header, body)?;
+            let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
+            Ok(columns.cloud(&body, rows, little, sensor))
         }
     }
-    Ok(cloud)
-}
-
-/// Where the numbers of one field are in the body.
-#[derive(Clone, Copy)]
-struct Column {
-    kind: Kind,
-    start: usize,
-    stride: usize,
-}
-
-impl Column {
-    /// The field's value in a row; NaN past the end, which the size check before excludes.
-    fn value(self, body: &[u8], row: usize) -> f64 {
-        self.kind.read(body.get(self.start + row * self.stride..).unwrap_or_default())
-    }
-}
-
-fn read_columns(body: &[u8], points: u64, columns: &Columns, cloud: &mut PointCloud) {
-    for row in 0..points as usize {
-        let xyz = columns.xyz.map(|column| column.value(body, row));
-        push(cloud, xyz, columns.intensity.map(|column| column.value(body, row)));
-    }
-}
-
-/// The columns that make a cloud.
-struct Columns {
-    xyz: [Column; 3],
-    intensity: Option<Column>,
 }
 
 impl Header {
-    fn columns(&self, place: impl Fn(&Field) -> (usize, usize)) -> Columns {
-        let column = |field: &Field| {
-            let (start, stride) = place(field);
-            Column { kind: field.kind, start, stride }
+    /// The columns, given each one's start and stride.
+    fn columns(&self, place: impl Fn(&Kept) -> (usize, usize)) -> Columns {
+        let column = |kept: &Kept| {
+            let (start, stride) = place(kept);
+            Column { scalar: kept.scalar, start, stride }
         };
-        Columns {
-            xyz: [column(&self.xyz[0]), column(&self.xyz[1]), column(&self.xyz[2])],
-            intensity: self.intensity.as_ref().map(column),
+        let xyz = self.xyz.each_ref().map(&column);
+        Columns { xyz, intensity: self.intensity.as_ref().map(column) }
+    }
+
+    /// What to do with each number of an ASCII line.
+    fn words(&self) -> Vec<Word> {
+        let mut words = vec![Word::Skip; self.columns_per_row];
+        for (slot, kept) in self.xyz.iter().chain(&self.intensity).enumerate() {
+            words[kept.column] = Word::Keep(slot);
         }
+        words
     }
 }
 
-fn push(cloud: &mut PointCloud, [x, y, z]: [f64; 3], intensity: Option<f64>) {
-    if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-        cloud.skipped += 1;
-        return;
+fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
+    let (mut rows, words) = (ascii::Rows::new(body), header.words());
+    let (mut points, mut found) = (ascii::Points::new(header.intensity.is_some()), 0);
+    let mut row = [0.0; 4];
+    while let Some(read) = rows.next_row(&words, &mut row) {
+        let bad = |bad: ascii::BadRow| PcdError::BadRow {
+            expected: bad.expected,
+            point: found,
+            found: bad.found,
+        };
+        read.map_err(bad)?;
+        points.push(&row);
+        found += 1;
     }
-    cloud.x.push(x);
-    cloud.y.push(y);
-    cloud.z.push(z);
-    cloud.intensity.extend(intensity.map(|value| value as f32));
+    if found as u64 == header.points {
+        Ok(points.cloud(sensor))
+    } else {
+        Err(PcdError::WrongCount { expected: header.points, found })
+    }
 }
 
 fn decompress(header: &Header, body: &[u8]) -> Result<Vec<u8>, PcdError> {
@@ -190,37 +171,6 @@ fn decompress(header: &Header, body: &[u8]) -> Result<Vec<u8>, PcdError> {
     lzf::decompress(stream, expected).ok_or_else(|| bad("a stream that stands for others".into()))
 }
 
-fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PcdError> {
-    let text = String::from_utf8_lossy(body);
-    let mut found = 0;
-    for line in text.lines().filter(|line| !line.trim().is_empty()) {
-        let bad =
-            |expected: String| PcdError::BadRow { expected, point: found, found: excerpt(line) };
-        let tokens: Vec<&str> = line.split_whitespace().collect();
-        if tokens.len() != header.columns_per_row {
-            return Err(bad(format!("{} columns", header.columns_per_row)));
-        }
-        let value = |field: &Field| {
-            field.kind.parse(tokens[field.column]).ok_or_else(|| bad("a number".into()))
-        };
-        let [x, y, z] = &header.xyz;
-        let xyz = [value(x)?, value(y)?, value(z)?];
-        push(cloud, xyz, header.intensity.as_ref().map(value).transpose()?);
-        found += 1;
-    }
-    if found as u64 == header.points {
-        Ok(())
-    } else {
-        Err(PcdError::WrongCount { expected: header.points, found })
-    }
-}
-
-/// The start of a text, short enough for a message.
-fn excerpt(text: &str) -> String {
-    const MAX_CHARS: usize = 80;
-    text.chars().take(MAX_CHARS).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,9 +184,9 @@ mod tests {
         (prop::collection::vec(point, 0..60), any::<bool>()).prop_map(|(points, has_intensity)| {
             PointCloud {
                 sensor: "lower_velodyne".into(),
-                x: points.iter().map(|p| f64::from(p.0)).collect(),
-                y: points.iter().map(|p| f64::from(p.1)).collect(),
-                z: points.iter().map(|p| f64::from(p.2)).collect(),
+                x: points.iter().map(|p| p.0).collect(),
+                y: points.iter().map(|p| p.1).collect(),
+                z: points.iter().map(|p| p.2).collect(),
                 intensity: points
                     .iter()
                     .filter(|_| has_intensity)

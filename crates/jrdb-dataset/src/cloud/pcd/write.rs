@@ -4,12 +4,11 @@ use std::fmt::Write;
 
 use jrdb_types::PointCloud;
 
-use super::Encoding;
-use crate::lzf;
+use super::{Encoding, lzf};
 
 /// The cloud as a PCD file of 4-byte floats: `x y z`, and `intensity` where the cloud has it.
 ///
-/// The header is JRDB's. Coordinates are rounded to `f32`. Equal clouds give equal bytes.
+/// The header is JRDB's. Equal clouds give equal bytes.
 #[must_use]
 pub fn write(cloud: &PointCloud, encoding: Encoding) -> Vec<u8> {
     let columns = columns(cloud);
@@ -18,7 +17,8 @@ pub fn write(cloud: &PointCloud, encoding: Encoding) -> Vec<u8> {
         Encoding::Ascii => bytes.extend(ascii(&columns, cloud.len()).bytes()),
         Encoding::Binary => bytes.extend(rows(&columns, cloud.len()).flat_map(f32::to_le_bytes)),
         Encoding::BinaryCompressed => {
-            let planar: Vec<u8> = columns.iter().flatten().flat_map(|v| v.to_le_bytes()).collect();
+            let planar: Vec<u8> =
+                columns.iter().copied().flatten().flat_map(|v| v.to_le_bytes()).collect();
             let stream = lzf::compress(&planar);
             bytes.extend((stream.len() as u32).to_le_bytes());
             bytes.extend((planar.len() as u32).to_le_bytes());
@@ -28,11 +28,10 @@ pub fn write(cloud: &PointCloud, encoding: Encoding) -> Vec<u8> {
     bytes
 }
 
-fn columns(cloud: &PointCloud) -> Vec<Vec<f32>> {
-    let narrow = |values: &[f64]| values.iter().map(|&value| value as f32).collect();
-    let mut columns: Vec<Vec<f32>> = vec![narrow(&cloud.x), narrow(&cloud.y), narrow(&cloud.z)];
+fn columns(cloud: &PointCloud) -> Vec<&[f32]> {
+    let mut columns = vec![&cloud.x[..], &cloud.y, &cloud.z];
     if !cloud.intensity.is_empty() {
-        columns.push(cloud.intensity.clone());
+        columns.push(&cloud.intensity);
     }
     columns
 }
@@ -56,11 +55,11 @@ fn header(columns: usize, points: usize, encoding: Encoding) -> String {
 }
 
 /// Every number, point after point.
-fn rows(columns: &[Vec<f32>], points: usize) -> impl Iterator<Item = f32> {
+fn rows(columns: &[&[f32]], points: usize) -> impl Iterator<Item = f32> {
     (0..points).flat_map(move |row| columns.iter().map(move |column| column[row]))
 }
 
-fn ascii(columns: &[Vec<f32>], points: usize) -> String {
+fn ascii(columns: &[&[f32]], points: usize) -> String {
     let mut text = String::new();
     for (i, value) in rows(columns, points).enumerate() {
         let end = if (i + 1) % columns.len() == 0 { '\n' } else { ' ' };

@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use super::{Encoding, PcdError, excerpt};
+use super::{Encoding, PcdError};
+use crate::cloud::columns::Scalar;
+use crate::cloud::excerpt;
 
 /// What a PCD header says, as far as a cloud needs it.
 pub(super) struct Header {
@@ -12,68 +14,39 @@ pub(super) struct Header {
     pub(super) row_bytes: usize,
     /// Numbers in a line of an ASCII cloud.
     pub(super) columns_per_row: usize,
-    pub(super) xyz: [Field; 3],
-    pub(super) intensity: Option<Field>,
+    pub(super) xyz: [Kept; 3],
+    pub(super) intensity: Option<Kept>,
 }
 
-/// One field of a point.
-#[derive(Clone)]
-pub(super) struct Field {
-    pub(super) kind: Kind,
-    /// Bytes of one number.
-    pub(super) size: usize,
-    /// Numbers in the field.
-    pub(super) count: usize,
+/// A field that becomes a column of the cloud; it has one number.
+#[derive(Clone, Copy)]
+pub(super) struct Kept {
+    pub(super) scalar: Scalar,
     /// Bytes of a point before this field.
     pub(super) offset: usize,
     /// Numbers of a point before this field.
     pub(super) column: usize,
 }
 
-/// Type of a number.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    F32,
-    F64,
-    U8,
-    U16,
-    /// Any other: its bytes are passed over.
-    Other,
+/// One field of a point.
+struct Field {
+    /// Type of its numbers; none where they cannot be kept.
+    scalar: Option<Scalar>,
+    /// Bytes of one number.
+    size: usize,
+    /// Numbers in the field.
+    count: usize,
+    offset: usize,
+    column: usize,
 }
 
-impl Kind {
-    fn new(letter: &str, size: usize) -> Self {
-        match (letter, size) {
-            ("F", 4) => Self::F32,
-            ("F", 8) => Self::F64,
-            ("U", 1) => Self::U8,
-            ("U", 2) => Self::U16,
-            _ => Self::Other,
-        }
-    }
-
-    fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
-    }
-
-    /// The little-endian number at the start of the bytes; NaN when they are too few.
-    pub(super) fn read(self, bytes: &[u8]) -> f64 {
-        match self {
-            Self::F32 => bytes.first_chunk().map(|&b| f64::from(f32::from_le_bytes(b))),
-            Self::F64 => bytes.first_chunk().map(|&b| f64::from_le_bytes(b)),
-            Self::U8 => bytes.first().map(|&b| f64::from(b)),
-            Self::U16 => bytes.first_chunk().map(|&b| f64::from(u16::from_le_bytes(b))),
-            Self::Other => None,
-        }
-        .unwrap_or(f64::NAN)
-    }
-
-    /// The number that a word stands for, with the precision of the type.
-    pub(super) fn parse(self, word: &str) -> Option<f64> {
-        match self {
-            Self::F32 => word.parse().ok().map(|value: f32| f64::from(value)),
-            _ => word.parse().ok(),
-        }
+fn scalar(letter: &str, size: usize) -> Option<Scalar> {
+    match (letter, size) {
+        ("F", 4) => Some(Scalar::F32),
+        ("F", 8) => Some(Scalar::F64),
+        ("U", 1) => Some(Scalar::U8),
+        ("U", 2) => Some(Scalar::U16),
+        _ => None,
     }
 }
 
@@ -144,13 +117,13 @@ impl Lines<'_> {
         let names = self.0.get("FIELDS").ok_or_else(|| bad("FIELDS", "none"))?;
         let fields = self.layout(names.len())?;
         let find = |name: &str| {
-            let at = names.iter().position(|found| *found == name)?;
-            fields.get(at).filter(|field| field.count == 1)
+            let field = fields.get(names.iter().position(|found| *found == name)?)?;
+            let scalar = field.scalar.filter(|_| field.count == 1)?;
+            Some(Kept { scalar, offset: field.offset, column: field.column })
         };
         let coordinate = |name: &str| {
             find(name)
-                .filter(|field| field.kind.is_float())
-                .cloned()
+                .filter(|kept| kept.scalar.is_float())
                 .ok_or_else(|| bad("fields x, y and z of TYPE F and SIZE 4 or 8", names.join(" ")))
         };
         Ok(Header {
@@ -159,7 +132,7 @@ impl Lines<'_> {
             row_bytes: fields.iter().map(|field| field.size * field.count).sum(),
             columns_per_row: fields.iter().map(|field| field.count).sum(),
             xyz: [coordinate("x")?, coordinate("y")?, coordinate("z")?],
-            intensity: find("intensity").filter(|field| field.kind != Kind::Other).cloned(),
+            intensity: find("intensity"),
         })
     }
 
@@ -246,7 +219,7 @@ fn field(
         Ok(count) if (1..=MAX_COUNT).contains(&count) => count,
         _ => return Err(bad("a COUNT of 1 to 65536", count)),
     };
-    Ok(Field { kind: Kind::new(kind, size), size, count, offset, column })
+    Ok(Field { scalar: scalar(kind, size), size, count, offset, column })
 }
 
 #[cfg(test)]

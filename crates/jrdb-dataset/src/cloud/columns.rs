@@ -1,0 +1,205 @@
+//! Columns of numbers out of rows of bytes, and the cloud that they make.
+
+use jrdb_types::PointCloud;
+
+/// Type of a number that can be kept.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    F32,
+    F64,
+    U8,
+    U16,
+}
+
+impl Scalar {
+    /// Bytes of a number.
+    pub(super) const fn size(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::U16 => 2,
+            Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    /// The number at the start of the bytes; NaN when they are too few.
+    pub(super) fn read(self, bytes: &[u8], order: ByteOrder) -> f32 {
+        let number = match self {
+            Self::F32 => chunk(bytes, order).map(f32::from_le_bytes),
+            Self::F64 => chunk(bytes, order).map(|b| f64::from_le_bytes(b) as f32),
+            Self::U8 => bytes.first().map(|&b| f32::from(b)),
+            Self::U16 => chunk(bytes, order).map(|b| f32::from(u16::from_le_bytes(b))),
+        };
+        number.unwrap_or(f32::NAN)
+    }
+
+    pub(super) fn is_float(self) -> bool {
+        matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// Which byte of a number comes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum ByteOrder {
+    Little,
+    Big,
+}
+
+/// The bytes of a number, the lowest first.
+fn chunk<const N: usize>(bytes: &[u8], order: ByteOrder) -> Option<[u8; N]> {
+    let mut bytes = *bytes.first_chunk()?;
+    if order == ByteOrder::Big {
+        bytes.reverse();
+    }
+    Some(bytes)
+}
+
+/// Where the numbers of one field are: at `start`, `start + stride` and so on.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Column {
+    pub(super) scalar: Scalar,
+    pub(super) start: usize,
+    pub(super) stride: usize,
+}
+
+/// The columns that make a cloud.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Columns {
+    pub(super) xyz: [Column; 3],
+    pub(super) intensity: Option<Column>,
+}
+
+/// Rows that are decoded at a time: so few that their bytes, once read for the first column, are still at hand for
+/// the others.
+const BLOCK_ROWS: usize = 256;
+
+impl Columns {
+    /// The cloud of these columns. Rows that the body does not reach are not finite; callers check sizes.
+    pub(super) fn cloud(
+        self,
+        body: &[u8],
+        rows: usize,
+        order: ByteOrder,
+        sensor: &str,
+    ) -> PointCloud {
+        let [x, y, z] = self.xyz;
+        let columns = [Some(x), Some(y), Some(z), self.intensity];
+        let mut numbers = columns.map(|column| Vec::with_capacity(column.map_or(0, |_| rows)));
+        for first in (0..rows).step_by(BLOCK_ROWS) {
+            let count = BLOCK_ROWS.min(rows - first);
+            for (column, numbers) in columns.iter().zip(&mut numbers) {
+                if let Some(column) = column {
+                    column.decode(body, first, count, order, numbers);
+                }
+            }
+        }
+        let [x, y, z, intensity] = numbers;
+        without_gaps(PointCloud { sensor: sensor.into(), x, y, z, intensity, skipped: 0 })
+    }
+}
+
+impl Column {
+    /// Appends the numbers of some rows.
+    fn decode(
+        self,
+        body: &[u8],
+        first: usize,
+        count: usize,
+        order: ByteOrder,
+        numbers: &mut Vec<f32>,
+    ) {
+        let bytes = body.get(self.start + first * self.stride..).unwrap_or_default();
+        let rows = bytes.chunks_exact(self.stride).take(count);
+        let read = rows.len();
+        match (self.scalar, order, self.stride) {
+            // The usual floats, fast: a column of its own, `x y z intensity` and nuScenes' five.
+            (Scalar::F32, ByteOrder::Little, 4) => numbers.extend(floats::<4>(bytes, read)),
+            (Scalar::F32, ByteOrder::Little, 16) => numbers.extend(floats::<16>(bytes, read)),
+            (Scalar::F32, ByteOrder::Little, 20) => numbers.extend(floats::<20>(bytes, read)),
+            (Scalar::F32, ByteOrder::Little, _) => {
+                let number = |row: &[u8]| row.first_chunk().map(|&bytes| f32::from_le_bytes(bytes));
+                numbers.extend(rows.map(|row| number(row).unwrap_or(f32::NAN)));
+            }
+            (scalar, ..) => numbers.extend(rows.map(|row| scalar.read(row, order))),
+        }
+        if read < count {
+            // The last row of a file ends before the stride does when the column is not its first.
+            let last = bytes.get(read * self.stride..).unwrap_or_default();
+            numbers.push(self.scalar.read(last, order));
+        }
+    }
+}
+
+/// The little-endian floats at the start of each row.
+fn floats<const STRIDE: usize>(bytes: &[u8], rows: usize) -> impl ExactSizeIterator<Item = f32> {
+    let rows = bytes.as_chunks::<STRIDE>().0.iter().take(rows);
+    rows.map(|row| f32::from_le_bytes([row[0], row[1], row[2], row[3]]))
+}
+
+/// The cloud without the points that have no place; they are counted instead.
+pub(super) fn without_gaps(mut cloud: PointCloud) -> PointCloud {
+    if [&cloud.x, &cloud.y, &cloud.z].into_iter().all(|column| all_finite(column)) {
+        return cloud;
+    }
+    let xyz = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
+    let has_place: Vec<bool> =
+        xyz.map(|((x, y), z)| x.is_finite() && y.is_finite() && z.is_finite()).collect();
+    for column in [&mut cloud.x, &mut cloud.y, &mut cloud.z, &mut cloud.intensity] {
+        let mut keep = has_place.iter();
+        column.retain(|_| keep.next().copied().unwrap_or(false));
+    }
+    cloud.skipped = has_place.len() - cloud.x.len();
+    cloud
+}
+
+/// Whether all numbers are finite, several at a time.
+fn all_finite(numbers: &[f32]) -> bool {
+    const LANES: usize = 16;
+    let (blocks, rest) = numbers.as_chunks::<LANES>();
+    let mut sums = [0.0; LANES]; // 0 times a number is 0, unless that is infinite or none
+    for block in blocks {
+        for (sum, number) in sums.iter_mut().zip(block) {
+            *sum += 0.0 * number;
+        }
+    }
+    sums.iter().chain(rest).all(|number: &f32| number.is_finite())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_number_that_is_not_finite_is_found_wherever_it_is() {
+        for at in 0..40 {
+            for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+                let mut numbers = [f32::MAX; 40];
+                assert!(all_finite(&numbers));
+                numbers[at] = value;
+                assert!(!all_finite(&numbers), "{value} at {at}");
+            }
+        }
+    }
+
+    #[test]
+    fn rows_of_any_length_and_number_are_read_to_the_last() {
+        for rows in [0, 1, BLOCK_ROWS - 1, BLOCK_ROWS, 2 * BLOCK_ROWS + 1] {
+            for stride in [12, 16, 18, 20] {
+                let row = |i: usize| {
+                    let numbers = [i as f32, -(i as f32), 0.5];
+                    let mut row: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();
+                    row.splice(0..0, vec![0xff; stride - 12]);
+                    row
+                };
+                let body: Vec<u8> = (0..rows).flat_map(row).collect();
+                let column = |at| Column { scalar: Scalar::F32, start: stride - 12 + at, stride };
+                let columns = Columns { xyz: [0, 4, 8].map(column), intensity: None };
+                let cloud = columns.cloud(&body, rows, ByteOrder::Little, "s");
+                let expected: Vec<f32> = (0..rows).map(|i| i as f32).collect();
+                assert_eq!(cloud.x, expected, "{stride}");
+                assert_eq!(cloud.y, expected.iter().map(|v| -v).collect::<Vec<_>>(), "{stride}");
+                assert_eq!(cloud.z, vec![0.5; rows], "{stride}");
+            }
+        }
+    }
+}
