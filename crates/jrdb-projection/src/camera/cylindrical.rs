@@ -161,7 +161,7 @@ mod tests {
     #[test]
     fn the_polynomial_is_an_angle() {
         let angles = (-314..=314).map(|i| f64::from(i) / 100.0);
-        for angle in angles.chain([0.0, 0.785_398, 1e-6, std::f64::consts::PI]) {
+        for angle in angles.chain([0.0, std::f64::consts::FRAC_PI_4, 1e-6, std::f64::consts::PI]) {
             let (x, z) = ((3.0 * angle.sin()) as f32, (3.0 * angle.cos()) as f32);
             let error =
                 f64::from(azimuth(x, z, 1.0 / x.hypot(z))) - f64::from(x).atan2(f64::from(z));

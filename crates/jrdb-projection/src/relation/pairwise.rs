@@ -9,10 +9,10 @@ use crate::simd::{Loop, vectorised};
 
 /// Sines and cosines of the four bounds of the sectors: 30°, 45°, 135° and 145°.
 const BOUNDS: [(f64, f64); 4] = [
-    (0.5, 0.866_025_403_784_438_6),
+    (0.5, 0.866_025_403_784_438_7),
     (std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2),
     (std::f64::consts::FRAC_1_SQRT_2, -std::f64::consts::FRAC_1_SQRT_2),
-    (0.573_576_436_351_046, -0.819_152_044_288_991_8),
+    (0.573_576_436_351_045_9, -0.819_152_044_288_991_9),
 ];
 
 /// The sectors to the left by the number of bounds that are exceeded.
