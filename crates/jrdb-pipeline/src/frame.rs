@@ -13,6 +13,7 @@ use jrdb_types::{
 use serde::{Deserialize, Serialize};
 
 use crate::Error;
+use crate::motion::Motions;
 use crate::source::Robot;
 
 /// Configuration of every stage behind perception.
@@ -44,6 +45,8 @@ pub struct FrameInput {
     pub robot: Arc<Robot>,
     /// What of the sweeps is missing.
     pub cloud_issues: Vec<Issue>,
+    /// How things move, where that is known.
+    pub motions: Motions,
 }
 
 /// A question, what it was read as, and what was answered.
@@ -77,13 +80,14 @@ pub struct FrameOutput {
 pub fn place(
     detections: &Detections,
     (clouds, cloud_issues): (&[PointCloud], &[Issue]),
-    robot: &Robot,
+    (robot, motions): (&Robot, &Motions),
     config: &PipelineConfig,
 ) -> Result<Entities, Error> {
     let fail = |source| Error::Projection { frame: detections.frame.to_string(), source };
     let scan = Scan {
         camera: robot.camera.as_deref(),
         floor: floor(clouds, robot, &config.floor),
+        motions: Some(motions),
         ..Scan::new(clouds, &robot.rig)
     };
     let mut entities =
@@ -112,7 +116,7 @@ pub fn process(
     config: &PipelineConfig,
 ) -> Result<FrameOutput, Error> {
     let sweeps = (input.clouds.as_slice(), input.cloud_issues.as_slice());
-    let entities = place(&input.detections, sweeps, &input.robot, config)?;
+    let entities = place(&input.detections, sweeps, (&input.robot, &input.motions), config)?;
     let graph = jrdb_graph::build(&entities, &config.graph);
     let ask = |question: &Question| {
         let query = jrdb_parser::parse(&question.text);

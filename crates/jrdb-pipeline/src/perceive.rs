@@ -109,6 +109,12 @@ impl Perceiver {
         Ok(Self { kind: Kind::Model(Box::new(detector)), config, notes: vec![note] })
     }
 
+    /// Whether an id is the same person or object in every frame of a sequence.
+    #[must_use]
+    pub fn tracks(&self) -> bool {
+        matches!(self.kind, Kind::Labels(_))
+    }
+
     /// What to write into the artefact's `config`.
     #[must_use]
     pub fn config(&self) -> &serde_json::Value {

@@ -8,6 +8,8 @@ use jrdb_types::{FrameId, Question, Questions, Scores};
 use rayon::prelude::*;
 
 use crate::engine::EngineOptions;
+use crate::frame::place;
+use crate::motion::{self, Motions, Places};
 use crate::output::{Layout, Writer};
 use crate::perceive::{Perceiver, PerceptionSource};
 use crate::source::{self, FrameSource, RobotOptions, Source};
@@ -28,6 +30,8 @@ pub struct RunOptions {
     pub models: PathBuf,
     /// How to choose an engine for them.
     pub engine: EngineOptions,
+    /// Whether the robot stands still throughout: then things that are tracked are seen to move.
+    pub robot_stands: bool,
     /// Questions asked of every frame.
     pub queries: Vec<String>,
     /// A file of questions with their truth; the scenes' own when neither this nor a query is given.
@@ -81,8 +85,11 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
     let layout = Layout::of(&ids, asked);
     let writer = options.out.as_ref().map(|root| Writer::new(root, layout, options, &perceiver));
     let work = || {
-        let each = frame_sources.par_iter().zip(&questions.per_frame).map(|(frame, questions)| {
-            let output = run_frame(frame, questions, &perceiver, writer.as_ref(), &options.config);
+        let motions = motions(&frame_sources, &perceiver, options);
+        let each = frame_sources.par_iter().zip(&questions.per_frame).zip(motions);
+        let each = each.map(|((frame, questions), motions)| {
+            let asked = (questions.as_slice(), motions);
+            let output = run_frame(frame, asked, &perceiver, writer.as_ref(), &options.config);
             on_frame();
             FrameResult { id: frame.id.clone(), output }
         });
@@ -123,9 +130,27 @@ fn frame_questions(options: &RunOptions, frames: &[FrameSource]) -> Result<Frame
     Ok(FrameQuestions { per_frame, unasked: listed.questions.len().saturating_sub(from_file) })
 }
 
+/// How things move in every frame: nothing is known to, unless the robot stands and ids are tracks.
+fn motions(frames: &[FrameSource], perceiver: &Perceiver, options: &RunOptions) -> Vec<Motions> {
+    let is_known = options.robot_stands && perceiver.tracks();
+    if !is_known {
+        return vec![Motions::new(); frames.len()];
+    }
+    let places = |frame: &FrameSource| {
+        let detections = perceiver.detect(frame, &frame.image()).ok()?;
+        let (clouds, _) = frame.clouds();
+        let nothing = (frame.robot.as_ref(), &Motions::new());
+        Some(Places::of(&place(&detections, (&clouds, &[]), nothing, &options.config).ok()?))
+    };
+    let nowhere = |frame: &FrameSource| Places::nowhere(&frame.id);
+    let places: Vec<Places> =
+        frames.par_iter().map(|f| places(f).unwrap_or_else(|| nowhere(f))).collect();
+    motion::motions(&places, options.config.projection.heading.motion_position_std_m)
+}
+
 fn run_frame(
     frame: &FrameSource,
-    questions: &[Question],
+    (questions, motions): (&[Question], Motions),
     perceiver: &Perceiver,
     writer: Option<&Writer>,
     config: &PipelineConfig,
@@ -134,7 +159,7 @@ fn run_frame(
     let detections = perceiver.detect(frame, &image)?;
     let (clouds, cloud_issues) = frame.clouds();
     let (image, robot) = (image.ok(), frame.robot.clone());
-    let input = FrameInput { detections, image, clouds, robot, cloud_issues };
+    let input = FrameInput { detections, image, clouds, robot, cloud_issues, motions };
     let output = process(&input, questions, config)?;
     if let Some(writer) = writer {
         writer.frame(&input, &output)?;

@@ -338,3 +338,126 @@ fn an_output_folder_that_cannot_be_made_is_failed_work() {
     assert_eq!(ran.code, 1, "{}", ran.out);
     contains(&ran.err, &["cannot write"]);
 }
+
+/// A robot with frames, sensors and file formats of its own, in the same place as the dataset's.
+const OWN_RIG: &str = "
+schema: jrdb.rig
+schema_version: 2
+data:
+  base: base_link
+  transforms:
+    - { parent: mast, child: camera, rotation: { quaternion_wxyz: [0.5, -0.5, 0.5, -0.5] } }
+    - { parent: base_link, child: mast }
+    - { parent: mast, child: top, translation_m: [0, 0, 0.25] }
+  cameras:
+    - name: ring
+      frame: camera
+      lens: { model: cylindrical, width_px: 400, height_px: 60, focal_px: 51.5, horizon_px: 26.0 }
+  lidars:
+    - { name: top_lidar, frame: top }
+";
+
+/// The upper LiDAR's first sweep as rows of four little-endian floats.
+fn as_bin(scene: &Scene) -> Vec<u8> {
+    let cloud = jrdb_dataset::cloud::read(&scene.path(UPPER), "upper_velodyne").unwrap();
+    let rows = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
+    rows.flat_map(|((x, y), z)| [*x, *y, *z, 0.0].map(f32::to_le_bytes)).flatten().collect()
+}
+
+#[test]
+fn a_robot_of_ones_own_is_described_by_its_rig_file() {
+    let scene = Scene::new();
+    let sweep = scene.path("pointclouds/top_lidar/two-people/000000.bin");
+    std::fs::create_dir_all(sweep.parent().unwrap()).unwrap();
+    std::fs::write(&sweep, as_bin(&scene)).unwrap();
+    let question = "who is to the left of the robot";
+    let places = |extra: &[&str]| {
+        let frame = ["--frames", "0..1", "--query", question];
+        let ran = jrdb(&[&["run", "--scene", scene.root()], extra, &frame].concat());
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran.out
+    };
+    // Without the lower LiDAR both robots see the same.
+    std::fs::remove_dir_all(scene.path("pointclouds/lower_velodyne")).unwrap();
+    let official = places(&[]);
+    contains(&official, &["lower_velodyne/two-people/000000.pcd: no such file", "answer  #2"]);
+    let rig = scene.path("rig.yaml");
+    std::fs::write(&rig, OWN_RIG).unwrap();
+    let own = places(&["--rig", rig.to_str().unwrap(), "--camera", "ring"]);
+    let without_notes = |text: &str| {
+        text.lines()
+            .filter(|line| !line.contains("note: pointclouds"))
+            .collect::<Vec<_>>()
+            .join("\n")
+    };
+    assert_eq!(without_notes(&own), without_notes(&official));
+    assert!(!own.contains("no such file"), "{own}");
+    std::fs::rename(&rig, scene.path("calibration/rig.yaml")).unwrap();
+    assert_eq!(places(&[]), own);
+}
+
+#[test]
+fn a_rig_that_is_none_is_bad_input_and_says_what_is_wrong() {
+    let scene = Scene::new();
+    let rig = scene.path("rig.yaml");
+    let check = |change: (&str, &str)| {
+        std::fs::write(&rig, OWN_RIG.replace(change.0, change.1)).unwrap();
+        let ran = jrdb(&["rig", "file", rig.to_str().unwrap()]);
+        assert_eq!(ran.code, if change.0 == change.1 { 0 } else { 2 }, "{}", ran.err);
+        ran.err + &ran.out
+    };
+    contains(
+        &check(("mast", "mast")),
+        &["base base_link, 3 transforms", "lidar top_lidar in frame top"],
+    );
+    contains(
+        &check(("parent: base_link, child: mast", "parent: top, child: mast")),
+        &["the cycle mast in top in mast"],
+    );
+    contains(
+        &check(("0.5, -0.5, 0.5, -0.5", "0.5, -0.5, 0.5, 0.6")),
+        &["quaternion of norm 1, found 1.0"],
+    );
+    contains(&check(("[0, 0, 0.25]", "[0, 0, .nan]")), &["rig.yaml"]);
+    contains(
+        &check(("focal_px: 51.5", "focal_px: 0")),
+        &["ring", "expected focal_px to be finite and over 0, found 0"],
+    );
+    contains(&check(("horizon_px", "horizon")), &["rig.yaml", "horizon"]);
+    contains(
+        &check(("schema_version: 2", "schema_version: 1")),
+        &["expected jrdb.rig version 2, found version 1"],
+    );
+}
+
+#[test]
+fn a_robot_that_stands_sees_who_moves_with_whom() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/scenes/corridor");
+    let out = TempDir::new().unwrap();
+    let folder = out.path().to_str().unwrap();
+    let ran = jrdb(&[
+        "run",
+        "--scene",
+        scene,
+        "--robot-stands",
+        "--query",
+        "people",
+        "--out",
+        folder,
+        "--artifacts",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let text = std::fs::read_to_string(out.path().join("000000/entities.json")).unwrap();
+    let entities: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let relations = entities["data"]["relations"].as_array().unwrap();
+    let together = relations.iter().filter(|pair| {
+        pair["words"].as_array().is_some_and(|words| words.contains(&"same_direction".into()))
+    });
+    let pairs: Vec<String> =
+        together.map(|p| format!("{} {}", p["subject"], p["object"])).collect();
+    assert!(pairs.contains(&r#""pedestrian:2" "pedestrian:3""#.into()), "{pairs:?}");
+    assert!(
+        !pairs.iter().any(|pair| pair.contains("pedestrian:8")),
+        "pedestrian:8 stands: {pairs:?}"
+    );
+}

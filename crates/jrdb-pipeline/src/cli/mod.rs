@@ -2,6 +2,7 @@
 
 mod calib;
 mod models;
+mod rig;
 mod run;
 mod schema;
 mod stage;
@@ -41,6 +42,8 @@ enum Command {
     Synth(synth::SynthArgs),
     /// Does the cloud fit the image, and if not, by how much
     Calib(calib::CalibArgs),
+    /// Other calibration files as a rig file: JRDB, KITTI, nuScenes
+    Rig(rig::RigArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
     /// Model files: which are known, which are there
@@ -78,6 +81,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Evaluate(args) => stage::evaluate(&args),
         Command::Synth(args) => synth::synth(&args),
         Command::Calib(args) => calib::calib(&args),
+        Command::Rig(args) => rig::rig(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),
     }

@@ -199,6 +199,9 @@ pub(crate) struct RunArgs {
     perception: PerceptionArgs,
     #[command(flatten)]
     projection: ProjectionArgs,
+    /// The robot does not move: velocities, and headings where labels have none, come from labelled tracks
+    #[arg(long)]
+    robot_stands: bool,
     /// A question for every frame; may be given several times
     #[arg(long, value_name = "TEXT")]
     query: Vec<String>,
@@ -238,6 +241,7 @@ impl RunArgs {
             perception: self.perception.perception.clone(),
             models: self.perception.models.clone(),
             engine: self.perception.engine(),
+            robot_stands: self.robot_stands,
             queries: self.query.clone(),
             questions: self.questions.clone(),
             config,

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::{Result, bail};
 use clap::Args;
 use jrdb_metrics::Outcome;
+use jrdb_pipeline::motion::Motions;
 use jrdb_pipeline::output::{read_artefact, write_artefact};
 use jrdb_pipeline::perceive::Perceiver;
 use jrdb_pipeline::source::{FrameSource, Source, list_frames};
@@ -28,7 +29,12 @@ pub(crate) struct OutputArgs {
 }
 
 impl OutputArgs {
-    fn give<T: Payload + Clone>(&self, config: Value, data: &T, summary: &str) -> Result<ExitCode> {
+    pub(super) fn give<T: Payload + Clone>(
+        &self,
+        config: Value,
+        data: &T,
+        summary: &str,
+    ) -> Result<ExitCode> {
         if let Some(path) = &self.out {
             write_artefact(path, config.clone(), data)?;
         }
@@ -107,7 +113,8 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
     let mut config = PipelineConfig::default();
     args.projection.apply(&mut config);
     let (clouds, cloud_issues) = frames[0].clouds();
-    let entities = place(&detections, (&clouds, &cloud_issues), &frames[0].robot, &config)?;
+    let entities =
+        place(&detections, (&clouds, &cloud_issues), (&frames[0].robot, &Motions::new()), &config)?;
     let lines = entities.entities.iter().map(|e| match e.position {
         None => format!("{} nowhere", e.id),
         Some(p) => {
