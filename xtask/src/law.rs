@@ -43,7 +43,7 @@ pub(crate) const LAW: &[Row] = &[
     ),
     stage(
         "jrdb-calibration",
-        "checks of a calibration: the floor",
+        "does the cloud fit the image; the floor",
         &["jrdb-types", "jrdb-projection"],
     ),
     stage("jrdb-graph", "entities and relations → scene graph", &["jrdb-types"]),
