@@ -50,7 +50,7 @@ fn points_in_some_boxes(
 }
 
 /// Points that are looked at together.
-const BLOCK: usize = 1024;
+const BLOCK: usize = 512;
 
 /// Whether pixel `(u, v)` lies in a box, across the seam where the image wraps.
 ///

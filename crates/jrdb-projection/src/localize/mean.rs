@@ -1,6 +1,6 @@
 //! The paper's rule: the mean of all points in the box.
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::Point3;
 
 use super::Located;
 use crate::BaseCloud;
@@ -11,8 +11,11 @@ use crate::BaseCloud;
 /// median over 20 people.
 #[must_use]
 pub fn mean(cloud: &BaseCloud, inside: &[u32]) -> Option<Located> {
-    let sum: Vector3<f64> = inside.iter().map(|&i| cloud.point(i as usize).coords).sum();
-    let center = Point3::from(sum / inside.len() as f64);
+    let mean = |column: &[f32]| {
+        let sum: f64 = inside.iter().map(|&i| f64::from(column[i as usize])).sum();
+        sum / inside.len() as f64
+    };
+    let center = Point3::new(mean(&cloud.x), mean(&cloud.y), mean(&cloud.z));
     (!inside.is_empty()).then(|| Located { center, used: inside.to_vec() })
 }
 

@@ -107,28 +107,26 @@ impl Loop for Row<'_> {
     #[inline(always)]
     fn run(self) {
         let Self { center, sin_cos: (sin, cos), columns: [x, y, z], .. } = self;
-        for (((distance, x), y), z) in self.distance_m.iter_mut().zip(x).zip(y).zip(z) {
+        let offsets = x.iter().zip(y).zip(z);
+        let codes = self.distance_code.iter_mut().zip(self.sector_code);
+        let pairs = self.distance_m.iter_mut().zip(codes);
+        for (((x, y), z), (distance, (distance_code, sector_code))) in offsets.zip(pairs) {
             let [dx, dy, dz] = [x - center.x, y - center.y, z - center.z];
             *distance = (dx * dx + dy * dy + dz * dz).sqrt();
-        }
-        for (code, &distance) in self.distance_code.iter_mut().zip(&*self.distance_m) {
-            *code = distance_code(distance);
-        }
-        for ((code, x), y) in self.sector_code.iter_mut().zip(x).zip(y) {
-            let (dx, dy) = (x - center.x, y - center.y);
-            *code = sector_code(cos * dx + sin * dy, cos * dy - sin * dx);
+            *distance_code = code_of_distance(*distance);
+            *sector_code = code_of_place(cos * dx + sin * dy, cos * dy - sin * dx);
         }
     }
 }
 
 #[inline(always)]
-fn distance_code(distance_m: f64) -> u8 {
+fn code_of_distance(distance_m: f64) -> u8 {
     const BOUNDS_M: [f64; 4] = [0.5, 1.5, 5.0, 10.0];
     BOUNDS_M.iter().map(|&bound| u64::from(distance_m > bound)).sum::<u64>() as u8
 }
 
 #[inline(always)]
-fn sector_code(ahead: f64, left: f64) -> u8 {
+fn code_of_place(ahead: f64, left: f64) -> u8 {
     let beside = left.abs();
     let margin = NEAR_BOUND * (ahead.abs() + beside);
     let (mut exceeded, mut least) = (0_u64, f64::INFINITY);
