@@ -10,7 +10,7 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use jrdb_dataset::cloud;
+use jrdb_dataset::cloud::{self, Fields};
 use jrdb_dataset::pcd::{self, Encoding};
 use jrdb_types::PointCloud;
 use peer_inputs::{POINTS, SWEEPS, Sweep, uniform};
@@ -74,7 +74,7 @@ fn odd(cloud: &PointCloud) -> Vec<u8> {
 }
 
 fn read_both(paths: &[PathBuf; 2]) -> [PointCloud; 2] {
-    paths.each_ref().map(|path| cloud::read(path, "lidar").unwrap())
+    paths.each_ref().map(|path| cloud::read(path, "lidar", Fields::All).unwrap())
 }
 
 fn clouds(criterion: &mut Criterion) {

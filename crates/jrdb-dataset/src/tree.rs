@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig};
 
-use crate::cloud;
+use crate::cloud::{self, Fields};
 use crate::error::chain;
 use crate::labels::{self, SequenceLabels};
 use crate::{Error, OfficialCalibration, file, image, rig};
@@ -132,7 +132,8 @@ impl Dataset {
     }
 
     /// The sweeps of a frame, one for each of the rig's LiDARs and in their order, from
-    /// `pointclouds/<lidar>/<sequence>/<frame>` with the name of a format that [`cloud::read`] knows.
+    /// `pointclouds/<lidar>/<sequence>/<frame>` with the name of a format that [`cloud::read`] knows. Positions only: no
+    /// stage asks for intensities.
     ///
     /// A cloud that is absent or broken, and points without a finite position, are issues; the rest
     /// goes on.
@@ -191,7 +192,7 @@ fn cloud(path: &Path, sensor: &str) -> Result<PointCloud, String> {
     if !path.is_file() {
         return Err("no such file".into());
     }
-    match cloud::read(path, sensor) {
+    match cloud::read(path, sensor, Fields::Positions) {
         Ok(cloud) => Ok(cloud),
         Err(Error::Cloud { source, .. }) => Err(chain(&source)),
         Err(Error::Read { source, .. }) => Err(source.to_string()),

@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use jrdb_dataset::cloud::Fields;
 use jrdb_dataset::pcd::{self, Encoding};
 use jrdb_dataset::{Dataset, cloud, read_detections, read_image, read_questions};
 use jrdb_types::ImageGeometry;
@@ -56,7 +57,7 @@ fn conformance_every_cloud_has_as_many_points_as_its_header_says() {
     let paths = files(dataset.root(), "pcd");
     assert!(!paths.is_empty());
     for path in paths {
-        let cloud = cloud::read(&path, "lidar").unwrap();
+        let cloud = cloud::read(&path, "lidar", Fields::All).unwrap();
         let bytes = fs::read(&path).unwrap();
         let header = String::from_utf8_lossy(&bytes[..bytes.len().min(1000)]).into_owned();
         let points = header.lines().find_map(|line| line.strip_prefix("POINTS ")).unwrap();
@@ -80,7 +81,7 @@ fn conformance_bare_floats_are_sweeps() {
     let paths: Vec<PathBuf> =
         folders.filter(|path| path.is_dir()).flat_map(|path| files(&path, "bin")).collect();
     for path in paths {
-        let cloud = cloud::read(&path, "lidar").unwrap();
+        let cloud = cloud::read(&path, "lidar", Fields::All).unwrap();
         assert_eq!(16 * (cloud.len() + cloud.skipped) as u64, fs::metadata(&path).unwrap().len());
         let range = |i: usize| cloud.x[i].hypot(cloud.y[i]).hypot(cloud.z[i]);
         assert!((0..cloud.len()).all(|i| range(i) < 200.0), "metres in {path:?}");

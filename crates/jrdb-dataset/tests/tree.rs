@@ -138,7 +138,11 @@ fn what_is_written_is_read_back() {
     assert_eq!(dataset.rig().unwrap(), calibration().rig());
     assert_eq!(dataset.image(&frame(3).sequence, 3).unwrap(), image);
     let (clouds, issues) = dataset.clouds(&frame(3).sequence, 3, &lidars());
-    assert_eq!((clouds, issues), (vec![cloud("upper_velodyne"), cloud("lower_velodyne")], vec![]));
+    let positions = |sensor| PointCloud { intensity: Vec::new(), ..cloud(sensor) };
+    assert_eq!(
+        (clouds, issues),
+        (["upper_velodyne", "lower_velodyne"].map(positions).to_vec(), vec![])
+    );
 
     let labels = dataset.labels(&frame(3).sequence).unwrap();
     assert_eq!(labels.frames(), [3]);
@@ -296,7 +300,7 @@ fn another_robot_is_a_rig_file_and_clouds_of_any_kind_in_folders_of_its_lidars_n
     for (cloud, lidar) in clouds.iter().zip(&rig.lidars) {
         assert_eq!(cloud.sensor, lidar.name);
         assert_eq!((cloud.x[0], cloud.y[0], cloud.z[0]), (1.0, 2.0, 3.0), "{}", cloud.sensor);
-        assert_eq!(cloud.intensity, [4.0], "{}", cloud.sensor);
+        assert!(cloud.intensity.is_empty(), "only positions are read");
     }
     let (clouds, issues) = dataset.clouds("walk", 12, &rig.lidars);
     assert_eq!((clouds[0].sensor.as_str(), issues.len()), ("lidar_2", 4));

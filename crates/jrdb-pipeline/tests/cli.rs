@@ -359,7 +359,12 @@ data:
 
 /// The upper LiDAR's first sweep as rows of four little-endian floats.
 fn as_bin(scene: &Scene) -> Vec<u8> {
-    let cloud = jrdb_dataset::cloud::read(&scene.path(UPPER), "upper_velodyne").unwrap();
+    let cloud = jrdb_dataset::cloud::read(
+        &scene.path(UPPER),
+        "upper_velodyne",
+        jrdb_dataset::cloud::Fields::All,
+    )
+    .unwrap();
     let rows = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
     rows.flat_map(|((x, y), z)| [*x, *y, *z, 0.0].map(f32::to_le_bytes)).flatten().collect()
 }

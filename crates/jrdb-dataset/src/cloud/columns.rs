@@ -82,19 +82,49 @@ impl Columns {
         order: ByteOrder,
         sensor: &str,
     ) -> PointCloud {
-        let [x, y, z] = self.xyz;
-        let columns = [Some(x), Some(y), Some(z), self.intensity];
-        let mut numbers = columns.map(|column| Vec::with_capacity(column.map_or(0, |_| rows)));
+        let mut cloud = Growing::new(self, rows, order);
+        cloud.append(body, rows);
+        cloud.finish(sensor)
+    }
+}
+
+/// A cloud that is decoded piece by piece.
+pub(super) struct Growing {
+    columns: [Option<Column>; 4],
+    numbers: [Vec<f32>; 4],
+    order: ByteOrder,
+    /// Whether every coordinate so far is a finite number.
+    is_finite: bool,
+}
+
+impl Growing {
+    /// An empty cloud with memory for so many rows.
+    pub(super) fn new(columns: Columns, rows: usize, order: ByteOrder) -> Self {
+        let [x, y, z] = columns.xyz;
+        let columns = [Some(x), Some(y), Some(z), columns.intensity];
+        let numbers = columns.map(|column| Vec::with_capacity(column.map_or(0, |_| rows)));
+        Self { columns, numbers, order, is_finite: true }
+    }
+
+    /// Decodes the next rows, which start where the body does.
+    pub(super) fn append(&mut self, body: &[u8], rows: usize) {
         for first in (0..rows).step_by(BLOCK_ROWS) {
             let count = BLOCK_ROWS.min(rows - first);
-            for (column, numbers) in columns.iter().zip(&mut numbers) {
+            for (axis, (column, numbers)) in self.columns.iter().zip(&mut self.numbers).enumerate()
+            {
                 if let Some(column) = column {
-                    column.decode(body, first, count, order, numbers);
+                    let start = numbers.len();
+                    column.decode(body, first, count, self.order, numbers);
+                    self.is_finite &= axis > 2 || all_finite(&numbers[start..]);
                 }
             }
         }
-        let [x, y, z, intensity] = numbers;
-        without_gaps(PointCloud { sensor: sensor.into(), x, y, z, intensity, skipped: 0 })
+    }
+
+    pub(super) fn finish(self, sensor: &str) -> PointCloud {
+        let [x, y, z, intensity] = self.numbers;
+        let cloud = PointCloud { sensor: sensor.into(), x, y, z, intensity, skipped: 0 };
+        if self.is_finite { cloud } else { without_gaps(cloud) }
     }
 }
 
@@ -138,9 +168,6 @@ fn floats<const STRIDE: usize>(bytes: &[u8], rows: usize) -> impl ExactSizeItera
 
 /// The cloud without the points that have no place; they are counted instead.
 pub(super) fn without_gaps(mut cloud: PointCloud) -> PointCloud {
-    if [&cloud.x, &cloud.y, &cloud.z].into_iter().all(|column| all_finite(column)) {
-        return cloud;
-    }
     let xyz = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
     let has_place: Vec<bool> =
         xyz.map(|((x, y), z)| x.is_finite() && y.is_finite() && z.is_finite()).collect();

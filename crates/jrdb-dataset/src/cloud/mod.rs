@@ -88,17 +88,33 @@ impl Format {
     }
 }
 
+/// What is read of a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fields {
+    /// Its position; what a file says beyond the last coordinate of the last point is not looked at.
+    Positions,
+    /// Its position, and its intensity where the file has one.
+    All,
+}
+
 /// Reads a file as the sweep of a sensor, in the format that its name stands for.
 ///
 /// # Errors
 /// [`Error::Content`] for a name of no known format, [`Error::Read`] or [`Error::Cloud`].
-pub fn read(path: &Path, sensor: &str) -> Result<PointCloud, Error> {
+pub fn read(path: &Path, sensor: &str, fields: Fields) -> Result<PointCloud, Error> {
     let format = Format::of(path).ok_or_else(|| {
         let name = path.file_name().unwrap_or_default();
         Error::content(path, "a .pcd, .bin, .pcd.bin, .npy or .ply file", format!("{name:?}"))
     })?;
+    if format == Format::Pcd {
+        return pcd::read(path, sensor, fields);
+    }
     let parsed = format.parse(&file::read(path)?, sensor);
-    parsed.map_err(|source| Error::Cloud { path: path.into(), source })
+    let mut cloud = parsed.map_err(|source| Error::Cloud { path: path.into(), source })?;
+    if fields == Fields::Positions {
+        cloud.intensity = Vec::new();
+    }
+    Ok(cloud)
 }
 
 /// The start of a text, short enough for a message.

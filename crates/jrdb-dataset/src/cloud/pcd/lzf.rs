@@ -18,16 +18,21 @@ const HASH_BITS: u32 = 14;
 /// matches of floats are shorter.
 const STEP: usize = 8;
 
-/// The bytes that a stream stands for, if they are exactly `expected` many.
+/// The first bytes that a stream stands for, at least `wanted` of the `expected`; what it says beyond them is not
+/// looked at. All of them when `wanted` is `expected`, and then the stream must stand for exactly so many.
 ///
 /// Nothing is allocated for an expectation that the stream cannot fulfil.
-pub(crate) fn decompress(stream: &[u8], expected: usize) -> Option<Vec<u8>> {
+pub(crate) fn decompress(stream: &[u8], expected: usize, wanted: usize) -> Option<Vec<u8>> {
     if expected > stream.len().saturating_mul(MAX_RATIO) {
         return None;
     }
-    let mut out = vec![0; expected];
+    // A copy may write a little beyond what is wanted.
+    let mut out = vec![0; expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS))];
     let (mut rest, mut at) = (stream, 0);
     while let [control, after @ ..] = rest {
+        if at >= wanted && wanted < expected {
+            return Some(out);
+        }
         let high = control >> 5;
         if high == 0 {
             let length = usize::from(*control) + 1;
@@ -49,7 +54,8 @@ pub(crate) fn decompress(stream: &[u8], expected: usize) -> Option<Vec<u8>> {
             at += length;
         }
     }
-    (at == expected).then_some(out)
+    let is_enough = if wanted < expected { at >= wanted } else { at == expected };
+    is_enough.then_some(out)
 }
 
 // The three copies are inlined by force: as calls they take a third longer.
@@ -154,7 +160,7 @@ mod tests {
     fn a_known_stream_is_read_as_the_format_says() {
         // "ab", then 5 bytes from 2 back, then "c", then 9 + 3 bytes from 1 back.
         let stream = [1, b'a', b'b', 3 << 5, 1, 0, b'c', 7 << 5, 3, 0];
-        let bytes = decompress(&stream, 20).unwrap();
+        let bytes = decompress(&stream, 20, 20).unwrap();
         assert_eq!(bytes, b"abababacccccccccccccc"[..20]);
     }
 
@@ -162,15 +168,15 @@ mod tests {
     fn streams_that_break_off_or_reach_back_too_far_are_refused() {
         for stream in [&[5, 1][..], &[1 << 5], &[7 << 5, 1], &[1 << 5, 0], &[0, 9, 1 << 5, 1]] {
             for expected in 0..12 {
-                assert_eq!(decompress(stream, expected), None, "{stream:?}");
+                assert_eq!(decompress(stream, expected, expected), None, "{stream:?}");
             }
         }
     }
 
     #[test]
     fn a_hostile_length_is_refused_before_it_is_allocated() {
-        assert_eq!(decompress(&[0, 1], usize::MAX), None);
-        assert_eq!(decompress(&[0, 1], 2), None);
+        assert_eq!(decompress(&[0, 1], usize::MAX, usize::MAX), None);
+        assert_eq!(decompress(&[0, 1], 2, 2), None);
     }
 
     #[test]
@@ -181,19 +187,37 @@ mod tests {
 
     proptest! {
         #[test]
+        fn the_first_bytes_are_those_of_the_whole(
+            bytes in prop::collection::vec(0..4_u8, 1..3000), wanted in any::<prop::sample::Index>(),
+        ) {
+            let wanted = wanted.index(bytes.len());
+            let first = decompress(&compress(&bytes), bytes.len(), wanted).unwrap();
+            prop_assert_eq!(&first[..wanted], &bytes[..wanted]);
+        }
+
+        #[test]
+        fn random_streams_read_in_part_never_panic(
+            stream in prop::collection::vec(any::<u8>(), 0..300), expected in 0..20_000_usize, wanted in 0..20_000_usize,
+        ) {
+            if let Some(bytes) = decompress(&stream, expected, wanted.min(expected)) {
+                prop_assert!(bytes.len() >= wanted.min(expected));
+            }
+        }
+
+        #[test]
         fn decompressing_undoes_compressing(bytes in prop::collection::vec(0..4_u8, 0..3000)) {
-            prop_assert_eq!(decompress(&compress(&bytes), bytes.len()).unwrap(), bytes);
+            prop_assert_eq!(decompress(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
         }
 
         #[test]
         fn decompressing_undoes_compressing_noise(bytes in prop::collection::vec(any::<u8>(), 0..600), times in 1..40_usize) {
             let bytes = bytes.repeat(times);
-            prop_assert_eq!(decompress(&compress(&bytes), bytes.len()).unwrap(), bytes);
+            prop_assert_eq!(decompress(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
         }
 
         #[test]
         fn random_streams_never_panic(stream in prop::collection::vec(any::<u8>(), 0..300), expected in 0..20_000_usize) {
-            if let Some(bytes) = decompress(&stream, expected) {
+            if let Some(bytes) = decompress(&stream, expected, expected) {
                 prop_assert_eq!(bytes.len(), expected);
             }
         }

@@ -2,13 +2,16 @@
 
 mod header;
 mod lzf;
+mod stream;
 mod write;
 
 use jrdb_types::PointCloud;
 
+use super::Fields;
 use super::ascii::{self, Word};
 use super::columns::{ByteOrder, Column, Columns};
 use header::{Header, Kept};
+pub(super) use stream::read;
 pub use write::write;
 
 /// How the points of a PCD file are stored.
@@ -95,7 +98,17 @@ pub enum PcdError {
 /// # Errors
 /// [`PcdError`]; nothing is allocated for points that the file has no bytes for.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
+    parse_fields(bytes, sensor, Fields::All)
+}
+
+/// [`parse`], of some fields only.
+pub(super) fn parse_fields(
+    bytes: &[u8],
+    sensor: &str,
+    fields: Fields,
+) -> Result<PointCloud, PcdError> {
     let (header, body) = Header::parse(bytes)?;
+    let header = header.with(fields);
     let rows = header.points as usize; // of a binary body, which is checked to have them
     let little = ByteOrder::Little;
     match header.encoding {
@@ -106,7 +119,10 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
             Ok(columns.cloud(body, rows, little, sensor))
         }
         Encoding::BinaryCompressed => {
-            let body = decompress(&header, body)?;
+            let kept = header.xyz.iter().chain(&header.intensity);
+            let ends = kept.map(|kept| (kept.offset + kept.scalar.size()).saturating_mul(rows));
+            let body = decompress(&header, body, ends.max().unwrap_or(0))?;
+            // The block is checked to be there: the products are no more than its length.
             let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
             Ok(columns.cloud(&body, rows, little, sensor))
         }
@@ -114,6 +130,12 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
 }
 
 impl Header {
+    /// The header without the fields that are not asked for.
+    pub(super) fn with(self, fields: Fields) -> Self {
+        let intensity = self.intensity.filter(|_| fields == Fields::All);
+        Self { intensity, ..self }
+    }
+
     /// The columns, given each one's start and stride.
     fn columns(&self, place: impl Fn(&Kept) -> (usize, usize)) -> Columns {
         let column = |kept: &Kept| {
@@ -155,7 +177,8 @@ fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, 
     }
 }
 
-fn decompress(header: &Header, body: &[u8]) -> Result<Vec<u8>, PcdError> {
+/// The block, from its start to where what is kept of it ends.
+fn decompress(header: &Header, body: &[u8], end: usize) -> Result<Vec<u8>, PcdError> {
     let expected = header.body_bytes(body.len().saturating_mul(lzf::MAX_RATIO))?;
     let bad = |found: String| PcdError::BadCompression { expected, found };
     let Some((sizes, rest)) = body.split_at_checked(8) else {
@@ -168,7 +191,9 @@ fn decompress(header: &Header, body: &[u8]) -> Result<Vec<u8>, PcdError> {
     let Some(stream) = rest.get(..size(0)) else {
         return Err(bad(format!("{} of {} compressed bytes", rest.len(), size(0))));
     };
-    lzf::decompress(stream, expected).ok_or_else(|| bad("a stream that stands for others".into()))
+    let wanted = end.min(expected);
+    lzf::decompress(stream, expected, wanted)
+        .ok_or_else(|| bad("a stream that stands for others".into()))
 }
 
 #[cfg(test)]
