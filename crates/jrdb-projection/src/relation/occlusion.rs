@@ -40,9 +40,11 @@ pub fn hides(
         None => behind.bbox.intersection_px2(front.bbox),
     };
     let image_fraction = shared / behind.bbox.area_px2();
-    let point_fraction = (!behind.up_to_it.is_empty())
-        .then(|| count_common(front.own, behind.up_to_it) as f64 / behind.up_to_it.len() as f64);
-    (image_fraction > 0.0).then_some(Hides { image_fraction, point_fraction })
+    (image_fraction > 0.0).then(|| {
+        let points = behind.up_to_it.len();
+        let on_front = || count_common(front.own, behind.up_to_it) as f64 / points as f64;
+        Hides { image_fraction, point_fraction: (points > 0).then(on_front) }
+    })
 }
 
 /// How many numbers two ascending lists have in common.
