@@ -2,7 +2,9 @@
 //! of the crates.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command prints")]
 
+mod budget;
 mod law;
+mod peers;
 mod pipeline;
 mod tidy;
 
@@ -16,6 +18,10 @@ cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; without flags: th
 cargo xtask pipeline --check                 compare every stage's artefact with its committed snapshot
 cargo xtask pipeline --accept                rewrite the snapshots; read the difference before you commit
 cargo xtask scenes                           make the bundled scenes anew
+cargo xtask budget                           count each kernel's instructions against testdata/budgets.json
+cargo xtask budget --accept                  rewrite the budgets; say in the commit why one rose
+cargo xtask peers [--peers DIR] [--python PATH]
+                                             time our kernels beside what people run today, and print the ratios
 cargo xtask tidy                             check the rules of docs/architecture.md and docs/style.md
 cargo xtask ci                               all that CI runs";
 
@@ -28,6 +34,8 @@ fn main() -> ExitCode {
     let done = match command {
         "pipeline" => pipeline::pipeline(rest),
         "scenes" => pipeline::scenes(),
+        "budget" => budget::budget(rest),
+        "peers" => peers::peers(rest),
         "tidy" => tidy::tidy(),
         "ci" => run(Command::new("bash").arg(".ci/run")),
         "help" | "--help" | "-h" => {
@@ -69,6 +77,23 @@ impl std::error::Error for Failed {}
 /// The workspace's root folder.
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().map_or_else(|| ".".into(), Path::to_path_buf)
+}
+
+/// Says that a command was not given what it takes: bad usage.
+fn usage<T>(expected: &str, found: &[String]) -> Result<T> {
+    refuse(&format!("expected {expected}, found {found:?}\n{USAGE}"))
+}
+
+/// Says that a command cannot start with what it was given.
+fn refuse<T>(why: &str) -> Result<T> {
+    eprintln!("error: {why}");
+    bail!(Failed { code: 2 })
+}
+
+/// Where cargo builds.
+fn target() -> PathBuf {
+    let folder = std::env::var_os("CARGO_TARGET_DIR").unwrap_or_else(|| "target".into());
+    root().join(folder)
 }
 
 /// Runs a program in the workspace's root; its exit code is passed on.

@@ -9,16 +9,20 @@ use std::f64::consts::{PI, TAU};
 pub(crate) const POINTS: usize = 65_536;
 
 /// The floor in the base frame, metres.
-const FLOOR_M: f64 = -1.05;
+pub(crate) const FLOOR_M: f64 = -1.05;
 /// Half the length and half the width of the room, metres.
 const ROOM_M: [f64; 2] = [12.0, 7.0];
 
 /// A person: a standing cylinder.
-struct Person {
-    azimuth_rad: f64,
-    range_m: f64,
-    radius_m: f64,
-    height_m: f64,
+pub(crate) struct Person {
+    /// Where it stands, counter-clockwise from ahead, radians.
+    pub(crate) azimuth_rad: f64,
+    /// Horizontal range of its axis, metres.
+    pub(crate) range_m: f64,
+    /// Its radius, metres.
+    pub(crate) radius_m: f64,
+    /// Its height over the floor, metres.
+    pub(crate) height_m: f64,
 }
 
 /// A sweep in the frame x forward, y left, z up around the panorama's axis, metres.
@@ -44,8 +48,13 @@ pub(crate) fn uniform(seed: u64, index: usize) -> f64 {
 impl Sweep {
     /// The points, row by row.
     pub(crate) fn points(&self) -> Vec<[f32; 3]> {
+        self.first_points(POINTS)
+    }
+
+    /// The first points, row by row; they lie all around.
+    pub(crate) fn first_points(&self, count: usize) -> Vec<[f32; 3]> {
         let people = people();
-        (0..POINTS).map(|index| self.point(index, &people).map(|m| m as f32)).collect()
+        (0..count).map(|index| self.point(index, &people).map(|m| m as f32)).collect()
     }
 
     fn point(&self, index: usize, people: &[Person]) -> [f64; 3] {
@@ -83,7 +92,7 @@ impl Sweep {
 }
 
 /// A hundred people; the first stands across the seam.
-fn people() -> Vec<Person> {
+pub(crate) fn people() -> Vec<Person> {
     const COUNT: usize = 100;
     const SEED: u64 = 11;
     let part = |index: usize, which: usize| uniform(SEED, which * COUNT + index);

@@ -1,0 +1,157 @@
+//! Runs every kernel once, for `cargo xtask budget` to count its instructions.
+//!
+//! Prints the widest vector registers that the kernels find, then the kernels' names in the order in which
+//! [`measured`] runs them. It lives in this crate because no cheaper one to build can see all of the kernels.
+#![allow(clippy::print_stdout, reason = "its result is what it prints")]
+#![allow(clippy::unwrap_used, reason = "a failing kernel should panic")]
+
+#[path = "../../jrdb-projection/benches/inputs/mod.rs"]
+mod inputs;
+
+use std::fmt::Write;
+use std::hint::black_box;
+
+use jrdb_calibration::{FloorConfig, fit_floor};
+use jrdb_dataset::pcd::{self, Encoding};
+use jrdb_projection::box_view::BoxView;
+use jrdb_projection::localize::densest_range::{Target, densest_range};
+use jrdb_projection::nalgebra::Point3;
+use jrdb_projection::relation::{adjacency, overlap, pairwise::pairwise};
+use jrdb_projection::select::points_in_boxes;
+use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors, project};
+use jrdb_types::{Box3d, LateralConvention, PointCloud};
+
+/// Points of each of the two sweeps: half a real frame, as valgrind is slow.
+const POINTS_PER_SWEEP: usize = 16_384;
+/// People with image boxes, as in a busy real frame.
+const PEOPLE: usize = 20;
+/// People in space, for the relations of all pairs.
+const CROWD: usize = 50;
+
+/// A name, and work that says how much it did.
+type Kernel = (&'static str, Box<dyn FnMut() -> usize>);
+
+fn main() {
+    println!("{}", registers());
+    let cloud = inputs::cloud(POINTS_PER_SWEEP);
+    let kernels = projection(&cloud).into_iter().chain(relations()).chain(files(&cloud));
+    for (name, mut kernel) in kernels.chain([floor(&cloud)]) {
+        // The first run binds symbols and looks for the machine's instructions.
+        let expected = kernel();
+        assert!(
+            expected > 0 && measured(&mut *kernel) == expected,
+            "{name} does not repeat itself"
+        );
+        println!("{name}");
+    }
+}
+
+/// What `xtask` counts the instructions of, by this name.
+#[inline(never)]
+fn measured(kernel: &mut dyn FnMut() -> usize) -> usize {
+    black_box(kernel())
+}
+
+#[cfg(target_arch = "x86_64")]
+fn registers() -> &'static str {
+    let has_avx2 = is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma");
+    match (is_x86_feature_detected!("avx512f"), has_avx2) {
+        (true, _) => "x86-64, AVX-512",
+        (false, true) => "x86-64, AVX2",
+        (false, false) => "x86-64, SSE",
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn registers() -> &'static str {
+    std::env::consts::ARCH
+}
+
+fn projection(cloud: &PointCloud) -> Vec<Kernel> {
+    let (rig, config) = (inputs::rig(), ProjectionConfig::default());
+    let sensors = || Sensors::new(&inputs::rig(), None).unwrap();
+    let merge = |clouds: &[PointCloud], sensors: &Sensors| {
+        BaseCloud::merge(clouds, sensors, &mut Vec::new())
+    };
+    let clouds = [cloud.clone()];
+    let merged = merge(&clouds, &sensors());
+    let (detections, boxes) = (inputs::detections(PEOPLE), inputs::boxes(PEOPLE));
+    let image = detections.image;
+    let inside = points_in_boxes(&merged, &boxes, image);
+    let (selecting, locating) = (merged.clone(), merged);
+    let (sensors, scanned, targets) = (sensors(), clouds.clone(), boxes.clone());
+    let views: Vec<_> = boxes.iter().map(|bbox| BoxView::new(bbox, &sensors.camera)).collect();
+    vec![
+        ("merge", Box::new(move || black_box(merge(&clouds, &sensors)).len())),
+        (
+            "points_in_boxes",
+            Box::new(move || points_in_boxes(&selecting, &boxes, image).iter().map(Vec::len).sum()),
+        ),
+        (
+            "densest_range",
+            Box::new(move || {
+                let all = targets.iter().zip(&views).zip(&inside);
+                let located = all.filter_map(|((bbox, &view), inside)| {
+                    let target = Target { bbox, image, view, is_person: true };
+                    densest_range(&locating, inside, &target, &config)
+                });
+                located.map(|located| located.used.len()).sum()
+            }),
+        ),
+        (
+            "project",
+            Box::new(move || {
+                let scan = Scan::new(&scanned, &rig);
+                project(&detections, &scan, &config).unwrap().relations.len()
+            }),
+        ),
+    ]
+}
+
+fn relations() -> Vec<Kernel> {
+    let boxes = inputs::boxes3d(CROWD);
+    let centers: Vec<Point3<f64>> = boxes.iter().map(|b| b.center.into()).collect();
+    let headings: Vec<f64> = boxes.iter().map(|b| b.heading_rad).collect();
+    let lateral = LateralConvention::default();
+    let of_pairs = |of_pair: fn(&Box3d, &Box3d) -> f64| {
+        let boxes = boxes.clone();
+        Box::new(move || (inputs::over_pairs(&boxes, of_pair) * 1e6) as usize)
+    };
+    let close = move || {
+        let pairs = black_box(pairwise(&centers, &headings, lateral));
+        (1..CROWD).filter(|&other| pairs.distance_m(0, other) < 5.0).count()
+    };
+    vec![
+        ("pairwise", Box::new(close)),
+        ("overlap", of_pairs(overlap::iou)),
+        ("gap", of_pairs(adjacency::gap_m)),
+    ]
+}
+
+fn files(cloud: &PointCloud) -> Vec<Kernel> {
+    let parse = |bytes: Vec<u8>| Box::new(move || pcd::parse(&bytes, "lidar").unwrap().len());
+    vec![
+        ("parse_pcd_binary", parse(pcd::write(cloud, Encoding::Binary))),
+        ("parse_pcd_compressed", parse(pcd::write(cloud, Encoding::BinaryCompressed))),
+        ("parse_pcd_ascii", parse(ascii(cloud))),
+    ]
+}
+
+/// ASCII with six decimals, as most programs write it.
+fn ascii(cloud: &PointCloud) -> Vec<u8> {
+    let count = cloud.len();
+    let mut text = format!(
+        "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n\
+         WIDTH {count}\nHEIGHT 1\nPOINTS {count}\nDATA ascii\n"
+    );
+    for ((x, y), z) in cloud.x.iter().zip(&cloud.y).zip(&cloud.z) {
+        writeln!(text, "{x:.6} {y:.6} {z:.6}").unwrap();
+    }
+    text.into_bytes()
+}
+
+fn floor(cloud: &PointCloud) -> Kernel {
+    let columns = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
+    let points: Vec<_> = columns.map(|((&x, &y), &z)| Point3::new(x, y, z).cast()).collect();
+    ("fit_floor", Box::new(move || fit_floor(&points, &FloorConfig::default()).unwrap().inliers))
+}

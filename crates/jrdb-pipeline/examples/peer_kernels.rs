@@ -1,0 +1,318 @@
+//! Checks and times our kernels on the inputs that other programs are timed on: `cargo xtask peers` starts it.
+//!
+//! `peer_kernels DATA` takes the folder of the inputs and prints `{"rows": [{"case", "median_ms", "runs", ..}]}`. Every result
+//! is checked before it is timed; a wrong one ends the program with exit code 1. All on one thread.
+#![allow(clippy::print_stdout, reason = "its result is what it prints")]
+
+use std::fs;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context, Result, bail, ensure};
+use jrdb_dataset::cloud::{self, Fields};
+use jrdb_dataset::{Dataset, pcd};
+use jrdb_projection::nalgebra::Point3;
+use jrdb_projection::relation::{self, overlap, pairwise::pairwise};
+use jrdb_projection::select::points_in_boxes;
+use jrdb_projection::{BaseCloud, CameraModel, ProjectionConfig, Scan, Sensors, localize, project};
+use jrdb_types::rig::FORWARD_CAMERA;
+use jrdb_types::{
+    Box3d, Camera, CylindricalPanorama, Detection, Detections, Entities, EntityId, FrameId,
+    LateralConvention, LensModel, Lidar, PixelBox, PointCloud, Rig, Transform,
+};
+use serde_json::{Value, json};
+
+/// Every kernel runs so often unmeasured, at least so often measured, and then until the time is over.
+const WARM_UP_RUNS: usize = 3;
+const MIN_RUNS: usize = 21;
+const MAX_RUNS: usize = 301;
+const TIME: Duration = Duration::from_millis(1500);
+
+/// Points at the very edge of a box may fall to either side in single precision: at most so many.
+const EDGE_POINTS: usize = 5;
+/// Centres may be this far from those of the reference, metres.
+const CENTER_TOLERANCE_M: f64 = 0.02;
+/// Coordinates of the ASCII clouds are rounded to six decimals, metres.
+const ASCII_TOLERANCE_M: f32 = 2e-6;
+
+/// The real frame, in the research data.
+const SEQUENCE: &str = "bytes-cafe-2019-02-07_0";
+
+fn main() -> Result<()> {
+    let data = std::env::args().nth(1).context("expected the folder of the inputs")?;
+    let data = PathBuf::from(data);
+    let mut rows = Vec::new();
+    rows.extend(projection(&data.join("a")).context("projection")?);
+    rows.extend(files(&data.join("b")).context("files")?);
+    rows.extend(pairs(&data.join("c")).context("pairs")?);
+    rows.extend(real_frame().context("real frame")?);
+    println!("{}", json!({ "rows": rows }));
+    Ok(())
+}
+
+/// Times pieces of work in turn, so that all meet the same weather; gives a median for each, ms, and the runs.
+fn medians_ms<const N: usize>(mut works: [&mut dyn FnMut(); N]) -> ([f64; N], usize) {
+    for _ in 0..WARM_UP_RUNS {
+        works.iter_mut().for_each(|work| work());
+    }
+    let (started, mut runs) = (Instant::now(), 0);
+    let mut times: [Vec<f64>; N] = std::array::from_fn(|_| Vec::new());
+    while runs < MIN_RUNS || (runs < MAX_RUNS && started.elapsed() < TIME) {
+        for (work, times) in works.iter_mut().zip(&mut times) {
+            let start = Instant::now();
+            work();
+            times.push(start.elapsed().as_secs_f64() * 1e3);
+        }
+        runs += 1;
+    }
+    (times.map(median), runs)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    f64::midpoint(values[(values.len() - 1) / 2], values[values.len() / 2])
+}
+
+fn row(case: &str, mut work: impl FnMut()) -> Value {
+    let ([median_ms], runs) = medians_ms([&mut work]);
+    json!({ "case": case, "median_ms": median_ms, "runs": runs })
+}
+
+/// The numbers of a `.npy` file of version 1, as their bytes.
+fn npy<const BYTES: usize>(path: &Path) -> Result<Vec<[u8; BYTES]>> {
+    let bytes = fs::read(path).with_context(|| format!("cannot read {}", path.display()))?;
+    let length = bytes.get(8..10).map_or(0, |b| usize::from(u16::from_le_bytes([b[0], b[1]])));
+    let body = bytes.get(10 + length..).unwrap_or_default();
+    Ok(body.as_chunks::<BYTES>().0.to_vec())
+}
+
+// Projection, selection and mean centres.
+
+/// The inputs' own rig: the panorama and the points around one origin.
+fn rig() -> Rig {
+    Rig {
+        base: "base".into(),
+        transforms: vec![Transform {
+            parent: "base".into(),
+            child: "panorama".into(),
+            translation_m: [0.0; 3],
+            rotation: FORWARD_CAMERA,
+        }],
+        cameras: vec![Camera {
+            name: "panorama".into(),
+            frame: "panorama".into(),
+            lens: LensModel::Cylindrical(CylindricalPanorama {
+                width_px: 3760,
+                height_px: 480,
+                focal_px: 482.924,
+                horizon_px: 209.383,
+            }),
+        }],
+        lidars: vec![Lidar { name: "lidar".into(), frame: "base".into() }],
+    }
+}
+
+fn projection(data: &Path) -> Result<Vec<Value>> {
+    let sensors = Sensors::new(&rig(), None)?;
+    let reference: Value = serde_json::from_slice(&fs::read(data.join("reference.json"))?)?;
+    let mut rows = Vec::new();
+    for points in [65_536, 131_072] {
+        let clouds =
+            [cloud::read(&data.join(format!("cloud_{points}.npy")), "lidar", Fields::All)?];
+        for count in [10, 50, 100] {
+            let boxes = boxes(&data.join(format!("boxes_{count}.npy")))?;
+            let mut cloud = BaseCloud::default();
+            let mut centers = || {
+                cloud.refill(&clouds, &sensors, &mut Vec::new());
+                let inside = points_in_boxes(&cloud, &boxes, sensors.camera.image());
+                inside.iter().map(|inside| localize::mean(&cloud, inside)).collect::<Vec<_>>()
+            };
+            let case = format!("N={points} M={count}");
+            check_centers(&centers(), &reference[format!("{points}/{count}")])
+                .context(case.clone())?;
+            rows.push(row(&case, || drop(black_box(centers()))));
+        }
+    }
+    Ok(rows)
+}
+
+fn boxes(path: &Path) -> Result<Vec<PixelBox>> {
+    let numbers: Vec<f64> = npy(path)?.into_iter().map(|b| f32::from_le_bytes(b).into()).collect();
+    Ok(numbers.as_chunks::<4>().0.iter().map(|&xywh| PixelBox::from(xywh)).collect())
+}
+
+fn check_centers(found: &[Option<localize::Located>], reference: &Value) -> Result<()> {
+    let expected = reference.as_array().context("the reference has no such case")?;
+    ensure!(
+        found.len() == expected.len(),
+        "expected {} boxes, found {}",
+        expected.len(),
+        found.len()
+    );
+    for (index, (found, expected)) in found.iter().zip(expected).enumerate() {
+        let count = expected["count"].as_u64().context("the reference has no count")? as usize;
+        let used = found.as_ref().map_or(0, |located| located.used.len());
+        ensure!(used.abs_diff(count) <= EDGE_POINTS, "box {index}: {used} points, not {count}");
+        let coordinate = |axis: usize| expected["centre"][axis].as_f64();
+        let (Some(x), Some(y), Some(z)) = (coordinate(0), coordinate(1), coordinate(2)) else {
+            continue;
+        };
+        let center = found.as_ref().map(|located| located.center);
+        let off_m = center.map_or(f64::INFINITY, |center| (center - Point3::new(x, y, z)).norm());
+        ensure!(off_m <= CENTER_TOLERANCE_M, "box {index}: the centre is {off_m} m off");
+    }
+    Ok(())
+}
+
+// Files.
+
+fn files(data: &Path) -> Result<Vec<Value>> {
+    let paths = |kind: &str| ["upper", "lower"].map(|name| data.join(format!("{name}_{kind}.pcd")));
+    let expected = read_both(&paths("binary"), Fields::All)?;
+    for (path, cloud) in paths("compressed").iter().zip(&expected) {
+        if !path.exists() {
+            // The inputs are made without it where Python has no LZF.
+            fs::write(path, pcd::write(cloud, pcd::Encoding::BinaryCompressed))?;
+        }
+    }
+    let mut rows = Vec::new();
+    for kind in ["binary", "odd", "compressed", "ascii"] {
+        let paths = paths(kind);
+        check_clouds(&read_both(&paths, Fields::Positions)?, &expected).context(kind)?;
+        // Positions only, as the others read.
+        let mut ours = || drop(black_box(read_both(&paths, Fields::Positions)));
+        let mut bytes = || drop(black_box(paths.each_ref().map(fs::read)));
+        let ([median_ms, bytes_ms], runs) = medians_ms([&mut ours, &mut bytes]);
+        rows.push(
+            json!({ "case": kind, "median_ms": median_ms, "bytes_ms": bytes_ms, "runs": runs }),
+        );
+    }
+    Ok(rows)
+}
+
+fn read_both([upper, lower]: &[PathBuf; 2], fields: Fields) -> Result<[PointCloud; 2]> {
+    Ok([cloud::read(upper, "upper", fields)?, cloud::read(lower, "lower", fields)?])
+}
+
+fn check_clouds(found: &[PointCloud; 2], expected: &[PointCloud; 2]) -> Result<()> {
+    for (found, expected) in found.iter().zip(expected) {
+        let (points, count) = (found.len(), expected.len());
+        ensure!(points == count && count > 0, "expected {count} points, found {points}");
+        let axes = [(&found.x, &expected.x), (&found.y, &expected.y), (&found.z, &expected.z)];
+        let off = axes.iter().flat_map(|(a, b)| a.iter().zip(*b)).map(|(a, b)| (a - b).abs());
+        let off_m = off.fold(0.0, f32::max);
+        ensure!(off_m <= ASCII_TOLERANCE_M, "a coordinate is {off_m} m off");
+    }
+    Ok(())
+}
+
+// All pairs.
+
+fn pairs(data: &Path) -> Result<Vec<Value>> {
+    let mut rows = Vec::new();
+    for count in [100, 500] {
+        let boxes = boxes3d(&data.join(format!("obb_{count}.npy")))?;
+        let centers: Vec<Point3<f64>> = boxes.iter().map(|b| b.center.into()).collect();
+        // The peers relate in JRDB's convention of angles, but turn the boxes themselves counter-clockwise.
+        let heading = |b: &Box3d| relation::wrap_rad(std::f64::consts::PI - b.heading_rad);
+        let headings: Vec<f64> = boxes.iter().map(heading).collect();
+        let relate = || pairwise(&centers, &headings, LateralConvention::Physical);
+        check_words(&relate(), &centers, &headings)?;
+        rows.push(row(&format!("relations M={count}"), || drop(black_box(relate()))));
+        let mut iou = row(&format!("iou3d M={count}"), || drop(black_box(all_iou(&boxes))));
+        // The other programs count these too.
+        iou["overlapping"] = all_iou(&boxes).iter().filter(|&&iou| iou > 0.0).count().into();
+        rows.push(iou);
+    }
+    Ok(rows)
+}
+
+fn all_iou(boxes: &[Box3d]) -> Vec<f64> {
+    let all = boxes.iter().enumerate();
+    all.flat_map(|(i, a)| boxes[i + 1..].iter().map(move |b| overlap::iou(a, b))).collect()
+}
+
+/// Boxes of `cx cy cz l w h angle`, the angle counter-clockwise.
+fn boxes3d(path: &Path) -> Result<Vec<Box3d>> {
+    let numbers: Vec<f64> = npy(path)?.into_iter().map(f64::from_le_bytes).collect();
+    let place = |&[x, y, z, l, w, h, angle_rad]: &[f64; 7]| Box3d {
+        center: [x, y, z],
+        size: [l, w, h],
+        heading_rad: relation::wrap_rad(angle_rad),
+    };
+    Ok(numbers.as_chunks::<7>().0.iter().map(place).collect())
+}
+
+/// The words of all pairs at once are those of every pair alone, which follow the definitions.
+fn check_words(
+    pairs: &relation::Pairwise,
+    centers: &[Point3<f64>],
+    headings_rad: &[f64],
+) -> Result<()> {
+    let lateral = LateralConvention::Physical;
+    for (i, (a, heading)) in centers.iter().zip(headings_rad).enumerate() {
+        for (j, b) in centers.iter().enumerate().filter(|&(j, _)| j != i) {
+            let alone = relation::from_person(a, Some(*heading), b, lateral);
+            let together = (pairs.distance(i, j), Some(pairs.direction(i, j)));
+            let same = together == (alone.distance, alone.direction);
+            ensure!(same, "pair {i}, {j}: expected {alone:?}, found {together:?}");
+        }
+    }
+    Ok(())
+}
+
+// A real frame.
+
+/// From two compressed clouds on disk to entities; nothing where there is no research data.
+fn real_frame() -> Result<Option<Value>> {
+    let default = concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared");
+    let shared = std::env::var_os("JRDB_SHARED").map_or_else(|| default.into(), PathBuf::from);
+    let root = shared.join("data/jrdb-sample");
+    let labels = shared.join("data/frame0_box_points_reference.csv");
+    if !root.exists() || !labels.exists() {
+        return Ok(None);
+    }
+    let dataset = Dataset::open(&root)?;
+    let rig = dataset.rig()?;
+    let (detections, points_in_box) = people(&fs::read_to_string(labels)?, &rig)?;
+    let entities = || -> Result<Entities> {
+        let (clouds, issues) = dataset.clouds(SEQUENCE, 0, &rig.lidars);
+        ensure!(issues.is_empty(), "{issues:?}");
+        Ok(project(&detections, &Scan::new(&clouds, &rig), &ProjectionConfig::default())?)
+    };
+    for (entity, expected) in entities()?.entities.iter().zip(points_in_box) {
+        let found = entity.position.map_or(0, |position| position.points_in_box);
+        if found.abs_diff(expected) > EDGE_POINTS {
+            bail!("{}: expected {expected} points, found {found}", entity.id);
+        }
+    }
+    Ok(Some(row("real frame", || drop(black_box(entities())))))
+}
+
+/// The people of the frame, and how many points the reference counts in the box of each: lines of
+/// `id, x, y, w, h, (6 numbers), points, ..`.
+fn people(table: &str, rig: &Rig) -> Result<(Detections, Vec<usize>)> {
+    let (mut detections, mut points) = (Vec::new(), Vec::new());
+    for line in table.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |cell: usize| -> Result<f64> {
+            Ok(cells.get(cell).context("a line of the reference is too short")?.parse()?)
+        };
+        detections.push(Detection {
+            id: cells[0].parse::<EntityId>()?,
+            category: "person".into(),
+            score: 1.0,
+            bbox: PixelBox::from([number(1)?, number(2)?, number(3)?, number(4)?]),
+            attributes: Default::default(),
+            interactions: Vec::new(),
+            occlusion: None,
+            heading_rad: None,
+            box3d: None,
+        });
+        points.push(number(11)? as usize);
+    }
+    let frame = FrameId { sequence: SEQUENCE.into(), frame: 0 };
+    let image = rig.cameras.first().context("the rig has no camera")?.lens.image();
+    Ok((Detections { frame, image, detections, issues: Vec::new() }, points))
+}

@@ -1,0 +1,275 @@
+//! What was measured, what is asked for, and the table that says both.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+/// What is asked of a case.
+#[derive(Debug, Clone, Copy)]
+enum Gate {
+    Nothing,
+    /// So many times as fast as the best peer.
+    Times(f64),
+    /// So many times as fast as the best peer, and within a time, ms.
+    TimesWithin(f64, f64),
+    /// At most so many times the time of reading the bare bytes.
+    OfBytes(f64),
+    /// Within a time, ms.
+    Within(f64),
+}
+
+/// A case as the results name it, as we print it, and what is asked of it.
+const CASES: [(&str, &str, Gate); 15] = [
+    ("N=131072 M=10", "131072 points, 10 boxes", Gate::TimesWithin(10.0, 1.0)),
+    ("N=131072 M=50", "131072 points, 50 boxes", Gate::Nothing),
+    ("N=131072 M=100", "131072 points, 100 boxes", Gate::TimesWithin(4.0, 3.0)),
+    ("N=65536 M=10", "65536 points, 10 boxes", Gate::Nothing),
+    ("N=65536 M=50", "65536 points, 50 boxes", Gate::Nothing),
+    ("N=65536 M=100", "65536 points, 100 boxes", Gate::Nothing),
+    ("relations M=100", "relations of 100", Gate::Times(3.0)),
+    ("relations M=500", "relations of 500", Gate::Nothing),
+    ("iou3d M=100", "3D overlap of 100", Gate::Nothing),
+    ("iou3d M=500", "3D overlap of 500", Gate::Nothing),
+    ("binary", "two binary PCDs", Gate::OfBytes(1.3)),
+    ("odd", "two PCDs of 22-byte points", Gate::Nothing),
+    ("compressed", "two compressed PCDs", Gate::Times(3.0)),
+    ("ascii", "two ASCII PCDs", Gate::Nothing),
+    ("real frame", "a real frame to entities", Gate::Within(3.0)),
+];
+
+/// Peers may differ from their reference by so much: in metres, or as a share of a volume.
+const PEER_TOLERANCE: f64 = 1e-4;
+
+/// What we measured, by case.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Ours(BTreeMap<String, OurRow>);
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct OurRow {
+    ms: f64,
+    /// Reading the bare bytes of the same files.
+    bytes_ms: Option<f64>,
+    /// Pairs that overlap.
+    overlapping: Option<u64>,
+}
+
+impl Ours {
+    pub(crate) fn parse(json: &Value) -> Self {
+        let row = |row: &Value| {
+            let number = |key: &str| row[key].as_f64();
+            let (bytes_ms, overlapping) = (number("bytes_ms"), row["overlapping"].as_u64());
+            let ours = OurRow { ms: number("median_ms")?, bytes_ms, overlapping };
+            Some((row["case"].as_str()?.into(), ours))
+        };
+        Self(rows(json).filter_map(row).collect())
+    }
+
+    /// For each case the run with the smaller median.
+    pub(crate) fn better_of(self, other: Self) -> Self {
+        let mut all = self.0;
+        for (case, row) in other.0 {
+            let better = all.get(&case).copied().filter(|first| first.ms <= row.ms);
+            all.insert(case, better.unwrap_or(row));
+        }
+        Self(all)
+    }
+
+    /// Where ours and the peers found different things.
+    pub(crate) fn faults(&self, peers: &Peers) -> Vec<String> {
+        let fault = |(case, row): (&String, &OurRow)| {
+            let (ours, theirs) = (row.overlapping?, *peers.overlapping.get(case)?);
+            (ours != theirs).then(|| format!("{case}: {ours} pairs overlap, peers find {theirs}"))
+        };
+        self.0.iter().filter_map(fault).collect()
+    }
+}
+
+/// What others measured.
+#[derive(Debug, Default)]
+pub(crate) struct Peers {
+    /// For each case the fastest peer that was right, and its time, ms.
+    best: BTreeMap<String, (String, f64)>,
+    /// For each case the pairs that overlap.
+    overlapping: BTreeMap<String, u64>,
+}
+
+impl Peers {
+    /// From the files that the scripts write.
+    pub(crate) fn parse(files: &[Value]) -> Self {
+        let mut peers = Self::default();
+        for row in files.iter().flat_map(rows) {
+            let (Some(case), Some(peer), Some(ms)) =
+                (row["case"].as_str(), row["peer"].as_str(), peer_ms(row))
+            else {
+                continue;
+            };
+            if let Some(overlapping) = row["overlapping"].as_u64() {
+                peers.overlapping.insert(case.into(), overlapping);
+            }
+            let is_best = peers.best.get(case).is_none_or(|(_, best_ms)| ms < *best_ms);
+            if is_best && is_sound(row) {
+                peers.best.insert(case.into(), (peer.into(), ms));
+            }
+        }
+        peers
+    }
+}
+
+fn rows(json: &Value) -> impl Iterator<Item = &Value> {
+    json["rows"].as_array().map(Vec::as_slice).unwrap_or_default().iter()
+}
+
+/// The smaller of a peer's medians of wall time and of processor time: others on this machine slow only the first.
+fn peer_ms(row: &Value) -> Option<f64> {
+    let (wall_ms, cpu_ms) = (row["median_ms"].as_f64(), row["cpu_median_ms"].as_f64());
+    // A clock of processor time that ticks too slowly says 0.
+    let cpu_ms = cpu_ms.filter(|&ms| ms > 0.0);
+    wall_ms.map(|wall_ms| wall_ms.min(cpu_ms.unwrap_or(wall_ms)))
+}
+
+/// Whether a peer does the whole work and does it right.
+fn is_sound(row: &Value) -> bool {
+    let peer = row["peer"].as_str().unwrap_or_default();
+    let is_partial = peer.contains("no seam") || peer.starts_with("raw file read");
+    let is_none = |key: &str| row[key].is_null() || row[key] == 0;
+    let is_near = row["max_err"].is_null()
+        || row["max_err"].as_f64().is_some_and(|error| error <= PEER_TOLERANCE);
+    !is_partial
+        && row["error"].is_null()
+        && is_none("wrong_centres")
+        && is_none("disagree")
+        && is_near
+}
+
+/// The table, with a line on how to read it.
+pub(crate) fn render(ours: &Ours, peers: &Peers) -> String {
+    let mut text = format!(
+        "\nms of one thread; ours: the better median of a run before and one after the peers, theirs: the smaller median of \
+         wall and\nprocessor time of the fastest peer that is right\n\n\
+         {:<28}{:>9}{:>10}{:>8}  {:<26}{:<20}{}\n",
+        "case", "ours", "peer", "ratio", "best peer", "gate", "verdict"
+    );
+    for (case, shown, gate) in CASES {
+        let row = ours.0.get(case);
+        let best = peers.best.get(case);
+        let ms = |ms: Option<f64>| ms.map_or("-".into(), |ms| format!("{ms:.3}"));
+        let ratio = row.zip(best).map(|(row, (_, peer_ms))| peer_ms / row.ms);
+        let peer = best.map_or("-", |(peer, _)| peer);
+        let times = ratio.map_or("-".into(), |ratio| format!("{ratio:.1}x"));
+        let (ours, theirs) = (ms(row.map(|row| row.ms)), ms(best.map(|(_, peer_ms)| *peer_ms)));
+        let (gate, verdict) =
+            (gate.shown(), row.map_or("not run".into(), |row| gate.verdict(row, ratio)));
+        let line =
+            format!("{shown:<28}{ours:>9}{theirs:>10}{times:>8}  {peer:<26}{gate:<20}{verdict}");
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+impl Gate {
+    fn shown(self) -> String {
+        match self {
+            Self::Nothing => String::new(),
+            Self::Times(ratio) => format!(">= {ratio}x"),
+            Self::TimesWithin(ratio, ms) => format!(">= {ratio}x, <= {ms} ms"),
+            Self::OfBytes(ratio) => format!("<= {ratio}x bare bytes"),
+            Self::Within(ms) => format!("<= {ms} ms"),
+        }
+    }
+
+    /// `met` or `missed`, and by what where the table does not say; `no peer` where there is nothing to compare with.
+    fn verdict(self, row: &OurRow, ratio: Option<f64>) -> String {
+        let word = |met: bool| if met { "met" } else { "missed" }.to_owned();
+        let fast = |least: f64| ratio.map(|ratio| ratio >= least);
+        match self {
+            Self::Nothing => String::new(),
+            Self::Within(ms) => word(row.ms <= ms),
+            Self::Times(least) => fast(least).map_or("no peer".into(), word),
+            Self::TimesWithin(least, ms) => {
+                fast(least).map_or("no peer".into(), |fast| word(fast && row.ms <= ms))
+            }
+            Self::OfBytes(most) => row.bytes_ms.map_or("not run".into(), |bytes_ms| {
+                let times = row.ms / bytes_ms;
+                format!("{} ({times:.2}x of {bytes_ms:.3} ms)", word(times <= most))
+            }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn ours() -> Ours {
+        Ours::parse(&json!({"rows": [
+            {"case": "N=131072 M=10", "median_ms": 0.5},
+            {"case": "N=131072 M=100", "median_ms": 3.5},
+            {"case": "relations M=100", "median_ms": 1.0},
+            {"case": "iou3d M=100", "median_ms": 1.0, "overlapping": 3},
+            {"case": "binary", "median_ms": 0.6, "bytes_ms": 0.5},
+            {"case": "real frame", "median_ms": 3.1},
+        ]}))
+    }
+
+    fn peers() -> Peers {
+        let row = |case: &str, peer: &str, ms: f64| json!({"case": case, "peer": peer, "median_ms": ms, "cpu_median_ms": ms * 2.0});
+        let mut wrong = row("N=131072 M=10", "fast and wrong", 0.1);
+        wrong["wrong_centres"] = 2.into();
+        let mut overlap = row("iou3d M=100", "shapely", 4.0);
+        overlap["overlapping"] = 4.into();
+        overlap["max_err"] = 1e-12.into();
+        Peers::parse(&[
+            json!({"rows": [wrong, row("N=131072 M=10", "numpy loop (no seam)", 0.2), {"case": "import", "peer": "torch", "error": "no"}]}),
+            json!({"rows": [row("N=131072 M=10", "numba", 5.5), row("N=131072 M=10", "slow", 9.0), row("N=131072 M=100", "numba", 35.0)]}),
+            json!({"rows": [overlap, row("binary", "raw file read (page cache)", 0.1), row("binary", "numpy", 0.3)]}),
+        ])
+    }
+
+    fn line(case: &str) -> Vec<String> {
+        let text = render(&ours(), &peers());
+        let line = text.lines().find(|line| line.starts_with(case)).unwrap();
+        line.split("  ")
+            .map(|cell| cell.trim().into())
+            .filter(|cell: &String| !cell.is_empty())
+            .collect()
+    }
+
+    #[test]
+    fn the_best_peer_is_the_fastest_that_does_the_whole_work_and_does_it_right() {
+        let expected = [
+            "131072 points, 10 boxes",
+            "0.500",
+            "5.500",
+            "11.0x",
+            "numba",
+            ">= 10x, <= 1 ms",
+            "met",
+        ];
+        assert_eq!(line("131072 points, 10 boxes"), expected);
+        assert_eq!(line("two binary PCDs")[4], "numpy");
+    }
+
+    #[test]
+    fn a_gate_is_missed_by_time_alone_and_needs_a_peer() {
+        assert_eq!(line("131072 points, 100 boxes").last().unwrap(), "missed");
+        assert_eq!(line("a real frame").last().unwrap(), "missed");
+        assert_eq!(line("relations of 100").last().unwrap(), "no peer");
+        assert_eq!(line("two binary PCDs").last().unwrap(), "met (1.20x of 0.500 ms)");
+        assert_eq!(line("two compressed PCDs").last().unwrap(), "not run");
+    }
+
+    #[test]
+    fn the_better_of_two_runs_counts_whole() {
+        let again = json!({"rows": [{"case": "binary", "median_ms": 0.4, "bytes_ms": 0.2}, {"case": "iou3d M=100", "median_ms": 2.0}]});
+        let better = ours().better_of(Ours::parse(&again));
+        assert_eq!(better.0["binary"], OurRow { ms: 0.4, bytes_ms: Some(0.2), overlapping: None });
+        assert_eq!(better.0["iou3d M=100"].ms, 1.0);
+    }
+
+    #[test]
+    fn another_number_of_overlapping_pairs_is_wrong() {
+        assert_eq!(ours().faults(&peers()), ["iou3d M=100: 3 pairs overlap, peers find 4"]);
+    }
+}
