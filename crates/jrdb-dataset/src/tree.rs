@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig};
 
-use crate::cloud::{self, Fields};
+use crate::cloud::{Fields, Reader};
 use crate::error::chain;
 use crate::labels::{self, SequenceLabels};
 use crate::{Error, OfficialCalibration, file, image, rig};
@@ -132,7 +132,7 @@ impl Dataset {
     }
 
     /// The sweeps of a frame, one for each of the rig's LiDARs and in their order, from
-    /// `pointclouds/<lidar>/<sequence>/<frame>` with the name of a format that [`cloud::read`] knows. Positions only: no
+    /// `pointclouds/<lidar>/<sequence>/<frame>` with the name of a format that [`crate::cloud::read`] knows. Positions only: no
     /// stage asks for intensities.
     ///
     /// A cloud that is absent or broken, and points without a finite position, are issues; the rest
@@ -144,13 +144,13 @@ impl Dataset {
         frame: u32,
         lidars: &[Lidar],
     ) -> (Vec<PointCloud>, Vec<Issue>) {
-        let (mut clouds, mut issues) = (Vec::new(), Vec::new());
+        let (mut clouds, mut issues, mut reader) = (Vec::new(), Vec::new(), Reader::default());
         for lidar in lidars {
             let folder = self.sweeps(&lidar.name, sequence);
             let file = find(&folder, frame, &CLOUD_EXTENSIONS)
                 .unwrap_or_else(|| folder.join(format!("{frame:06}.pcd")));
             let place = file.strip_prefix(&self.root).unwrap_or(&file).display();
-            match cloud(&file, &lidar.name) {
+            match cloud(&mut reader, &file, &lidar.name) {
                 Ok(cloud) => {
                     if cloud.skipped > 0 {
                         let points = cloud.skipped;
@@ -188,11 +188,11 @@ impl Dataset {
 }
 
 /// One sweep, or why there is none, without host paths.
-fn cloud(path: &Path, sensor: &str) -> Result<PointCloud, String> {
+fn cloud(reader: &mut Reader, path: &Path, sensor: &str) -> Result<PointCloud, String> {
     if !path.is_file() {
         return Err("no such file".into());
     }
-    match cloud::read(path, sensor, Fields::Positions) {
+    match reader.read(path, sensor, Fields::Positions) {
         Ok(cloud) => Ok(cloud),
         Err(Error::Cloud { source, .. }) => Err(chain(&source)),
         Err(Error::Read { source, .. }) => Err(source.to_string()),

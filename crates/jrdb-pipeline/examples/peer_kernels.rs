@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
-use jrdb_dataset::cloud::{self, Fields};
+use jrdb_dataset::cloud::{self, Fields, Reader};
 use jrdb_dataset::{Dataset, pcd};
 use jrdb_projection::nalgebra::Point3;
 use jrdb_projection::relation::{self, overlap, pairwise::pairwise};
@@ -169,7 +169,7 @@ fn check_centers(found: &[Option<localize::Located>], reference: &Value) -> Resu
 
 fn files(data: &Path) -> Result<Vec<Value>> {
     let paths = |kind: &str| ["upper", "lower"].map(|name| data.join(format!("{name}_{kind}.pcd")));
-    let expected = read_both(&paths("binary"), Fields::All)?;
+    let expected = read_both(&mut Reader::default(), &paths("binary"), Fields::All)?;
     for (path, cloud) in paths("compressed").iter().zip(&expected) {
         if !path.exists() {
             // The inputs are made without it where Python has no LZF.
@@ -179,9 +179,11 @@ fn files(data: &Path) -> Result<Vec<Value>> {
     let mut rows = Vec::new();
     for kind in ["binary", "odd", "compressed", "ascii"] {
         let paths = paths(kind);
-        check_clouds(&read_both(&paths, Fields::Positions)?, &expected).context(kind)?;
+        let mut reader = Reader::default();
+        check_clouds(&read_both(&mut reader, &paths, Fields::Positions)?, &expected)
+            .context(kind)?;
         // Positions only, as the others read.
-        let mut ours = || drop(black_box(read_both(&paths, Fields::Positions)));
+        let mut ours = || drop(black_box(read_both(&mut reader, &paths, Fields::Positions)));
         let mut bytes = || drop(black_box(paths.each_ref().map(fs::read)));
         let ([median_ms, bytes_ms], runs) = medians_ms([&mut ours, &mut bytes]);
         rows.push(
@@ -191,8 +193,12 @@ fn files(data: &Path) -> Result<Vec<Value>> {
     Ok(rows)
 }
 
-fn read_both([upper, lower]: &[PathBuf; 2], fields: Fields) -> Result<[PointCloud; 2]> {
-    Ok([cloud::read(upper, "upper", fields)?, cloud::read(lower, "lower", fields)?])
+fn read_both(
+    reader: &mut Reader,
+    [upper, lower]: &[PathBuf; 2],
+    fields: Fields,
+) -> Result<[PointCloud; 2]> {
+    Ok([reader.read(upper, "upper", fields)?, reader.read(lower, "lower", fields)?])
 }
 
 fn check_clouds(found: &[PointCloud; 2], expected: &[PointCloud; 2]) -> Result<()> {

@@ -100,21 +100,40 @@ pub enum Fields {
 /// Reads a file as the sweep of a sensor, in the format that its name stands for.
 ///
 /// # Errors
-/// [`Error::Content`] for a name of no known format, [`Error::Read`] or [`Error::Cloud`].
+/// Those of [`Reader::read`].
 pub fn read(path: &Path, sensor: &str, fields: Fields) -> Result<PointCloud, Error> {
-    let format = Format::of(path).ok_or_else(|| {
-        let name = path.file_name().unwrap_or_default();
-        Error::content(path, "a .pcd, .bin, .pcd.bin, .npy or .ply file", format!("{name:?}"))
-    })?;
-    if format == Format::Pcd {
-        return pcd::read(path, sensor, fields);
+    Reader::default().read(path, sensor, fields)
+}
+
+/// Reads files one after the other and uses its memory again: what a stream of frames wants.
+#[derive(Debug, Clone, Default)]
+pub struct Reader {
+    /// A file's bytes, or a piece of them.
+    bytes: Vec<u8>,
+    /// What was compressed.
+    block: Vec<u8>,
+}
+
+impl Reader {
+    /// [`read`].
+    ///
+    /// # Errors
+    /// [`Error::Content`] for a name of no known format, [`Error::Read`] or [`Error::Cloud`].
+    pub fn read(&mut self, path: &Path, sensor: &str, fields: Fields) -> Result<PointCloud, Error> {
+        let format = Format::of(path).ok_or_else(|| {
+            let name = path.file_name().unwrap_or_default();
+            Error::content(path, "a .pcd, .bin, .pcd.bin, .npy or .ply file", format!("{name:?}"))
+        })?;
+        if format == Format::Pcd {
+            return pcd::read(path, sensor, fields, self);
+        }
+        let parsed = format.parse(&file::read(path)?, sensor);
+        let mut cloud = parsed.map_err(|source| Error::Cloud { path: path.into(), source })?;
+        if fields == Fields::Positions {
+            cloud.intensity = Vec::new();
+        }
+        Ok(cloud)
     }
-    let parsed = format.parse(&file::read(path)?, sensor);
-    let mut cloud = parsed.map_err(|source| Error::Cloud { path: path.into(), source })?;
-    if fields == Fields::Positions {
-        cloud.intensity = Vec::new();
-    }
-    Ok(cloud)
 }
 
 /// The start of a text, short enough for a message.

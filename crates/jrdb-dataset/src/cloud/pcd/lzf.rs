@@ -21,22 +21,29 @@ const STEP: usize = 8;
 /// The first bytes that a stream stands for, at least `wanted` of the `expected`; what it says beyond them is not
 /// looked at. All of them when `wanted` is `expected`, and then the stream must stand for exactly so many.
 ///
-/// Nothing is allocated for an expectation that the stream cannot fulfil.
-pub(crate) fn decompress(stream: &[u8], expected: usize, wanted: usize) -> Option<Vec<u8>> {
+/// They are written to `block`, whose memory is used again. Nothing is allocated for an expectation that the
+/// stream cannot fulfil.
+pub(crate) fn decompress<'a>(
+    stream: &[u8],
+    expected: usize,
+    wanted: usize,
+    block: &'a mut Vec<u8>,
+) -> Option<&'a [u8]> {
     if expected > stream.len().saturating_mul(MAX_RATIO) {
         return None;
     }
     // A copy may write a little beyond what is wanted.
-    let mut out = vec![0; expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS))];
+    block.resize(expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS)), 0);
+    let out = block.as_mut_slice();
     let (mut rest, mut at) = (stream, 0);
     while let [control, after @ ..] = rest {
         if at >= wanted && wanted < expected {
-            return Some(out);
+            return out.get(..wanted);
         }
         let high = control >> 5;
         if high == 0 {
             let length = usize::from(*control) + 1;
-            copy_literals(after, length, &mut out, at)?;
+            copy_literals(after, length, out, at)?;
             rest = after.get(length..)?;
             at += length;
         } else {
@@ -49,13 +56,13 @@ pub(crate) fn decompress(stream: &[u8], expected: usize, wanted: usize) -> Optio
             let (&low, after) = after.split_first()?;
             let length = usize::from(high) + more + 2;
             let distance = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
-            copy_match(length, distance, &mut out, at)?;
+            copy_match(length, distance, out, at)?;
             rest = after;
             at += length;
         }
     }
     let is_enough = if wanted < expected { at >= wanted } else { at == expected };
-    is_enough.then_some(out)
+    if is_enough { out.get(..wanted) } else { None }
 }
 
 // The three copies are inlined by force: as calls they take a third longer.
@@ -154,13 +161,19 @@ fn push_match(length: usize, distance: usize, out: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// What a stream stands for, from a block that held something else before.
+    fn all_of(stream: &[u8], expected: usize, wanted: usize) -> Option<Vec<u8>> {
+        let mut block = vec![0xaa; 700];
+        decompress(stream, expected, wanted, &mut block).map(<[u8]>::to_vec)
+    }
     use proptest::prelude::*;
 
     #[test]
     fn a_known_stream_is_read_as_the_format_says() {
         // "ab", then 5 bytes from 2 back, then "c", then 9 + 3 bytes from 1 back.
         let stream = [1, b'a', b'b', 3 << 5, 1, 0, b'c', 7 << 5, 3, 0];
-        let bytes = decompress(&stream, 20, 20).unwrap();
+        let bytes = all_of(&stream, 20, 20).unwrap();
         assert_eq!(bytes, b"abababacccccccccccccc"[..20]);
     }
 
@@ -168,15 +181,15 @@ mod tests {
     fn streams_that_break_off_or_reach_back_too_far_are_refused() {
         for stream in [&[5, 1][..], &[1 << 5], &[7 << 5, 1], &[1 << 5, 0], &[0, 9, 1 << 5, 1]] {
             for expected in 0..12 {
-                assert_eq!(decompress(stream, expected, expected), None, "{stream:?}");
+                assert_eq!(all_of(stream, expected, expected), None, "{stream:?}");
             }
         }
     }
 
     #[test]
     fn a_hostile_length_is_refused_before_it_is_allocated() {
-        assert_eq!(decompress(&[0, 1], usize::MAX, usize::MAX), None);
-        assert_eq!(decompress(&[0, 1], 2, 2), None);
+        assert_eq!(all_of(&[0, 1], usize::MAX, usize::MAX), None);
+        assert_eq!(all_of(&[0, 1], 2, 2), None);
     }
 
     #[test]
@@ -191,7 +204,7 @@ mod tests {
             bytes in prop::collection::vec(0..4_u8, 1..3000), wanted in any::<prop::sample::Index>(),
         ) {
             let wanted = wanted.index(bytes.len());
-            let first = decompress(&compress(&bytes), bytes.len(), wanted).unwrap();
+            let first = all_of(&compress(&bytes), bytes.len(), wanted).unwrap();
             prop_assert_eq!(&first[..wanted], &bytes[..wanted]);
         }
 
@@ -199,25 +212,25 @@ mod tests {
         fn random_streams_read_in_part_never_panic(
             stream in prop::collection::vec(any::<u8>(), 0..300), expected in 0..20_000_usize, wanted in 0..20_000_usize,
         ) {
-            if let Some(bytes) = decompress(&stream, expected, wanted.min(expected)) {
+            if let Some(bytes) = all_of(&stream, expected, wanted.min(expected)) {
                 prop_assert!(bytes.len() >= wanted.min(expected));
             }
         }
 
         #[test]
         fn decompressing_undoes_compressing(bytes in prop::collection::vec(0..4_u8, 0..3000)) {
-            prop_assert_eq!(decompress(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
+            prop_assert_eq!(all_of(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
         }
 
         #[test]
         fn decompressing_undoes_compressing_noise(bytes in prop::collection::vec(any::<u8>(), 0..600), times in 1..40_usize) {
             let bytes = bytes.repeat(times);
-            prop_assert_eq!(decompress(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
+            prop_assert_eq!(all_of(&compress(&bytes), bytes.len(), bytes.len()).unwrap(), bytes);
         }
 
         #[test]
         fn random_streams_never_panic(stream in prop::collection::vec(any::<u8>(), 0..300), expected in 0..20_000_usize) {
-            if let Some(bytes) = decompress(&stream, expected, expected) {
+            if let Some(bytes) = all_of(&stream, expected, expected) {
                 prop_assert_eq!(bytes.len(), expected);
             }
         }

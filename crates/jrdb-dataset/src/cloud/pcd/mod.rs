@@ -98,14 +98,15 @@ pub enum PcdError {
 /// # Errors
 /// [`PcdError`]; nothing is allocated for points that the file has no bytes for.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
-    parse_fields(bytes, sensor, Fields::All)
+    parse_fields(bytes, sensor, Fields::All, &mut Vec::new())
 }
 
-/// [`parse`], of some fields only.
-pub(super) fn parse_fields(
+/// [`parse`], of some fields only; decompresses into `block`.
+fn parse_fields(
     bytes: &[u8],
     sensor: &str,
     fields: Fields,
+    block: &mut Vec<u8>,
 ) -> Result<PointCloud, PcdError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
@@ -121,10 +122,10 @@ pub(super) fn parse_fields(
         Encoding::BinaryCompressed => {
             let kept = header.xyz.iter().chain(&header.intensity);
             let ends = kept.map(|kept| (kept.offset + kept.scalar.size()).saturating_mul(rows));
-            let body = decompress(&header, body, ends.max().unwrap_or(0))?;
+            let body = decompress(&header, body, ends.max().unwrap_or(0), block)?;
             // The block is checked to be there: the products are no more than its length.
             let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
-            Ok(columns.cloud(&body, rows, little, sensor))
+            Ok(columns.cloud(body, rows, little, sensor))
         }
     }
 }
@@ -178,7 +179,12 @@ fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, 
 }
 
 /// The block, from its start to where what is kept of it ends.
-fn decompress(header: &Header, body: &[u8], end: usize) -> Result<Vec<u8>, PcdError> {
+fn decompress<'a>(
+    header: &Header,
+    body: &[u8],
+    end: usize,
+    block: &'a mut Vec<u8>,
+) -> Result<&'a [u8], PcdError> {
     let expected = header.body_bytes(body.len().saturating_mul(lzf::MAX_RATIO))?;
     let bad = |found: String| PcdError::BadCompression { expected, found };
     let Some((sizes, rest)) = body.split_at_checked(8) else {
@@ -192,7 +198,7 @@ fn decompress(header: &Header, body: &[u8], end: usize) -> Result<Vec<u8>, PcdEr
         return Err(bad(format!("{} of {} compressed bytes", rest.len(), size(0))));
     };
     let wanted = end.min(expected);
-    lzf::decompress(stream, expected, wanted)
+    lzf::decompress(stream, expected, wanted, block)
         .ok_or_else(|| bad("a stream that stands for others".into()))
 }
 

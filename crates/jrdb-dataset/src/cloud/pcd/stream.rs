@@ -9,7 +9,7 @@ use jrdb_types::PointCloud;
 use super::{Encoding, Header, PcdError, parse_fields};
 use crate::Error;
 use crate::cloud::columns::{ByteOrder, Growing};
-use crate::cloud::{CloudError, Fields};
+use crate::cloud::{CloudError, Fields, Reader};
 
 /// Bytes that are read at a time: they stay in the second-level cache until they are decoded.
 const PIECE: usize = 1 << 16;
@@ -19,23 +19,24 @@ pub(in crate::cloud) fn read(
     path: &Path,
     sensor: &str,
     fields: Fields,
+    Reader { bytes, block }: &mut Reader,
 ) -> Result<PointCloud, Error> {
     let unreadable = |source| Error::Read { path: path.into(), source };
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    let mut piece = vec![0; PIECE];
-    let filled = fill(&mut file, &mut piece).map_err(unreadable)?;
-    let parsed = match Header::parse(&piece[..filled]) {
+    bytes.resize(PIECE, 0);
+    let filled = fill(&mut file, bytes).map_err(unreadable)?;
+    let parsed = match Header::parse(&bytes[..filled]) {
         Ok((header, body)) if header.encoding == Encoding::Binary && header.row_bytes <= PIECE => {
             let (header, start) = (header.with(fields), filled - body.len());
-            let source = Source { file, piece, start, filled };
+            let source = Source { file, piece: bytes, start, filled };
             source.binary(&header, length, sensor).map_err(unreadable)?
         }
         // Another encoding, or a header that is wrong or longer than a piece.
         _ => {
-            piece.truncate(filled);
-            file.read_to_end(&mut piece).map_err(unreadable)?;
-            parse_fields(&piece, sensor, fields)
+            bytes.truncate(filled);
+            file.read_to_end(bytes).map_err(unreadable)?;
+            parse_fields(bytes, sensor, fields, block)
         }
     };
     parsed.map_err(|source| Error::Cloud { path: path.into(), source: CloudError::Pcd(source) })
@@ -55,15 +56,15 @@ fn fill(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
 }
 
 /// An open file and the piece of it that was read last.
-struct Source {
+struct Source<'a> {
     file: File,
-    piece: Vec<u8>,
+    piece: &'a mut [u8],
     /// Where in the piece the bytes start that are not yet decoded, and where they end.
     start: usize,
     filled: usize,
 }
 
-impl Source {
+impl Source<'_> {
     /// The points of a binary body; the outer error is the file's, the inner one the format's.
     fn binary(
         mut self,
@@ -118,19 +119,27 @@ mod tests {
     fn a_file_read_in_pieces_is_the_cloud_of_its_bytes() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("cloud.pcd");
+        let mut reader = Reader::default();
         for points in [0, 1, PIECE / 16 - 20, PIECE / 16, 3 * PIECE / 16 + 5] {
             let mut whole = cloud(points);
             for encoding in [Encoding::Ascii, Encoding::Binary, Encoding::BinaryCompressed] {
                 let bytes = write(&whole, encoding);
                 std::fs::write(&path, &bytes).unwrap();
-                assert_eq!(read(&path, "s", Fields::All).unwrap(), parse(&bytes, "s").unwrap());
+                assert_eq!(
+                    Reader::default().read(&path, "s", Fields::All).unwrap(),
+                    parse(&bytes, "s").unwrap()
+                );
                 let positions = PointCloud { intensity: Vec::new(), ..whole.clone() };
-                assert_eq!(read(&path, "s", Fields::Positions).unwrap(), positions, "{encoding:?}");
+                assert_eq!(
+                    reader.read(&path, "s", Fields::Positions).unwrap(),
+                    positions,
+                    "{encoding:?}"
+                );
             }
             // A point without a place, in whatever piece it is.
             whole.y.iter_mut().last().into_iter().for_each(|y| *y = f32::NAN);
             std::fs::write(&path, write(&whole, Encoding::Binary)).unwrap();
-            let found = read(&path, "s", Fields::All).unwrap();
+            let found = Reader::default().read(&path, "s", Fields::All).unwrap();
             assert_eq!((found.len(), found.skipped), (points.saturating_sub(1), points.min(1)));
         }
     }
@@ -143,7 +152,9 @@ mod tests {
             let bytes = write(&cloud(9000), encoding);
             for length in [0, 10, 150, 400, PIECE, bytes.len() - 1] {
                 std::fs::write(&path, &bytes[..length.min(bytes.len() - 1)]).unwrap();
-                let Err(Error::Cloud { source, .. }) = read(&path, "s", Fields::All) else {
+                let Err(Error::Cloud { source, .. }) =
+                    Reader::default().read(&path, "s", Fields::All)
+                else {
                     unreachable!("{encoding:?} of {length} bytes")
                 };
                 let expected = parse(&bytes[..length.min(bytes.len() - 1)], "s").unwrap_err();
