@@ -35,9 +35,10 @@ pub(crate) fn decompress<'a>(
     // A copy may write a little beyond what is wanted.
     block.resize(expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS)), 0);
     let out = block.as_mut_slice();
+    let stop = if wanted < expected { wanted } else { usize::MAX };
     let (mut rest, mut at) = (stream, 0);
     while let [control, after @ ..] = rest {
-        if at >= wanted && wanted < expected {
+        if at >= stop {
             return out.get(..wanted);
         }
         let high = control >> 5;
