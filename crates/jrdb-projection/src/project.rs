@@ -6,8 +6,8 @@ use jrdb_types::entity::FloorContact;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::vocab::PlacementQuality;
 use jrdb_types::{
-    Box3d, Detection, Detections, Entities, Entity, EntityId, FloorPlane, Heading, Issue,
-    Localizer, PointCloud, Position, Rig, detection::PERSON,
+    Box3d, Detection, Detections, Entities, Entity, EntityId, FloorPlane, Heading, ImageGeometry,
+    Issue, Localizer, PixelBox, PointCloud, Position, Rig, detection::PERSON,
 };
 use nalgebra::Point3;
 
@@ -81,7 +81,10 @@ pub fn project(
     if expected_px != found_px {
         return Err(Error::ImageSize { expected_px, found_px });
     }
-    let mut issues = Vec::new();
+    let empty = scan.clouds.iter().filter(|cloud| cloud.is_empty());
+    let message = |cloud: &PointCloud| format!("the sweep of {:?} has no points", cloud.sensor);
+    let mut issues: Vec<Issue> =
+        empty.map(|cloud| Issue::new(IssueKind::MissingInput, message(cloud))).collect();
     let cloud = BaseCloud::merge(scan.clouds, &sensors, &mut issues);
     let boxes: Vec<_> = detections.detections.iter().map(|d| d.bbox).collect();
     let inside = points_in_boxes(&cloud, &boxes, image);
@@ -261,6 +264,9 @@ impl Frame<'_> {
     fn report(&self, entity: &Entity, issues: &mut Vec<Issue>) {
         let id = &entity.id;
         let few = self.config.few_points;
+        if let Some(wrong) = wrong_with(&entity.bbox, self.camera.image()) {
+            issues.push(Issue::about(IssueKind::BadBox, id, wrong));
+        }
         match entity.position {
             None if self.config.localizer == Localizer::Given => {
                 let message = "the detection brings no 3d box";
@@ -280,11 +286,24 @@ impl Frame<'_> {
     }
 }
 
+/// Why no point can be in a box; `None` when some can.
+fn wrong_with(bbox: &PixelBox, image: ImageGeometry) -> Option<&'static str> {
+    let [width, height] = [image.width_px, image.height_px].map(f64::from);
+    let beside = !image.wraps && (bbox.x >= width || bbox.x + bbox.w <= 0.0);
+    if !bbox.is_proper() {
+        Some("the box has no area")
+    } else if beside || bbox.y >= height || bbox.y + bbox.h <= 0.0 {
+        Some("the box lies outside the image")
+    } else {
+        None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing;
-    use jrdb_types::{EntityId, FrameId, PixelBox};
+    use jrdb_types::FrameId;
 
     fn rig() -> Rig {
         testing::rig([0.0; 3], 0.0)
@@ -348,6 +367,29 @@ mod tests {
         assert_eq!(found.entities.len(), 2);
         assert!(found.entities.iter().all(|e| e.position.is_none() && e.from_robot.is_none()));
         assert_eq!(found.issues.iter().filter(|i| i.kind == IssueKind::NoPoints).count(), 2);
+    }
+
+    #[test]
+    fn boxes_and_sweeps_that_hold_nothing_are_named() {
+        let boxes = [[1850.0, 130.0, 0.0, 9.0], [5.0, 480.0, 9.0, 9.0], [5.0, f64::NAN, 9.0, 9.0]];
+        let people = (1..).zip(boxes).map(|(n, bbox)| person(n, bbox, Some(0.0))).collect();
+        let sweep = PointCloud { sensor: "upper".into(), ..PointCloud::default() };
+        let (rig, config) = (rig(), ProjectionConfig::default());
+        let found = project(&detections(people), &Scan::new(&[sweep], &rig), &config).unwrap();
+        let messages: Vec<&str> = found.issues.iter().map(|issue| issue.message.as_str()).collect();
+        let nothing = "no lidar point in the box";
+        assert_eq!(
+            messages,
+            [
+                r#"the sweep of "upper" has no points"#,
+                "the box has no area",
+                nothing,
+                "the box lies outside the image",
+                nothing,
+                "the box has no area",
+                nothing
+            ]
+        );
     }
 
     #[test]

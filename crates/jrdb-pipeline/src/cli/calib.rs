@@ -32,6 +32,7 @@ enum Command {
     /// Yaw and height of each LiDAR against the image, and an overlay picture.
     ///
     /// An offset is the mount less the truth: +2° is a mount turned 2° too far counter-clockwise.
+    /// Without --rig, JRDB's panorama is taken as the five views that it is, where the tree says them.
     /// Exit code: 0 consistent, 1 off or cannot tell, 2 bad input.
     #[command(verbatim_doc_comment)]
     Check(CheckArgs),
