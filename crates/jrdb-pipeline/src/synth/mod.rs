@@ -93,7 +93,7 @@ pub struct Frame {
     pub image: Image,
     /// For each pixel of the panorama 0, or the same number for all pixels of one labelled thing.
     pub instances: Vec<u8>,
-    /// One sweep per LiDAR of [`rig`], in the sensors' frames.
+    /// One sweep per LiDAR of [`calibration`], in the sensors' frames.
     pub clouds: Vec<PointCloud>,
     /// Who and what is where, and the LiDAR points in each 3D box.
     pub labels: LabelledFrame,
