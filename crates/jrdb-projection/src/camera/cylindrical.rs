@@ -40,7 +40,7 @@ impl Lens for CylindricalPanorama {
     }
 
     /// Within 1e-3 px of [`Lens::pixel_from_camera`] for images up to 4096 columns: single precision, and an
-    /// angle by polynomial ([`azimuth`]). Branch-free, so that the compiler vectorises it.
+    /// angle by polynomial. Branch-free, so that the compiler vectorises it.
     fn pixels_from_camera(&self, points: &Columns<'_>, pixels: &mut PixelColumns<'_>) {
         vectorised(Draw {
             width: self.width_px as f32,
