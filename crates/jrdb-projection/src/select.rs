@@ -7,7 +7,8 @@ use crate::simd::{Loop, vectorised};
 
 /// Indices into the cloud of the points inside each box, ascending.
 ///
-/// Boxes are half-open, and go on across the seam where the image wraps. Cost: the points once for every 64
+/// Boxes are half-open, and go on across the seam where the image wraps. A point outside the image is in no box,
+/// even where a box reaches out of the image. Cost: the points once for every 64
 /// boxes; most points are refused by one look at their column and row.
 #[must_use]
 pub fn points_in_boxes(
@@ -38,6 +39,9 @@ fn points_in_some_boxes(
         vectorised(NearAny { masks: &masks, u, v, near: &mut near, count: &mut count });
         for &(place, mut candidates) in &near[..count] {
             let (u, v) = (f64::from(u[place as usize]), f64::from(v[place as usize]));
+            if !shows(image, u, v) {
+                continue;
+            }
             while candidates != 0 {
                 let index = candidates.trailing_zeros() as usize;
                 candidates &= candidates - 1;
@@ -51,6 +55,12 @@ fn points_in_some_boxes(
 
 /// Points that are looked at together.
 const BLOCK: usize = 512;
+
+/// Whether pixel `(u, v)` lies in the image.
+fn shows(image: ImageGeometry, u: f64, v: f64) -> bool {
+    let [width, height] = [image.width_px, image.height_px].map(f64::from);
+    (0.0..width).contains(&u) && (0.0..height).contains(&v)
+}
 
 /// Whether pixel `(u, v)` lies in a box, across the seam where the image wraps.
 ///
@@ -98,7 +108,7 @@ impl Masks {
         masks
     }
 
-    /// The boxes near a pixel: may be too many, never too few.
+    /// The boxes near a pixel of the image: may be too many, never too few. For another pixel, any.
     #[inline(always)]
     fn at(&self, u: f32, v: f32) -> u64 {
         let column = nearest_whole(u * self.columns_per_px) % COLUMN_STRIPES;
@@ -173,6 +183,14 @@ mod tests {
         assert_eq!(points_in_boxes(&cloud, &[bbox], PANORAMA), [[0, 1]]);
         let nowhere = BaseCloud { u: vec![f32::NAN], v: vec![f32::NAN], ..BaseCloud::default() };
         assert!(points_in_boxes(&nowhere, &[bbox], PANORAMA)[0].is_empty());
+    }
+
+    #[test]
+    fn a_point_outside_the_image_is_in_no_box() {
+        let bbox = PixelBox::from([100.0, -60.0, 50.0, 700.0]);
+        let rows = (-200..1400).map(|v| (120.0, f64::from(v)));
+        let inside = points_in_boxes(&cloud(&rows.collect::<Vec<_>>()), &[bbox], PANORAMA);
+        assert_eq!(inside[0], (200..680).collect::<Vec<u32>>());
     }
 
     #[test]

@@ -29,8 +29,8 @@ pub struct HeadingConfig {
     pub facing_max_std_rad: f64,
     /// Slower than this, motion tells no heading, metres per second.
     pub motion_min_mps: f64,
-    /// Standard deviation of a position that motion is computed from, metres: half the median error of the
-    /// default localiser is common to neighbouring frames.
+    /// Standard deviation of a position against those of the same thing in neighbouring frames, metres: half the
+    /// median error of the default localiser on one real frame. Assumed: no labelled sequence of clouds was at hand.
     pub motion_position_std_m: f64,
     /// Standard deviation of the body's heading around the way it walks, radians: measured as `label_std_rad`.
     pub motion_body_std_rad: f64,
