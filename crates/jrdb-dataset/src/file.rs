@@ -1,6 +1,7 @@
 //! Reading and writing whole files, with errors that name them.
 
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -9,6 +10,13 @@ use crate::Error;
 
 pub(crate) fn read(path: &Path) -> Result<Vec<u8>, Error> {
     fs::read(path).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+/// [`read`] into bytes whose memory is used again.
+pub(crate) fn read_into(path: &Path, bytes: &mut Vec<u8>) -> Result<(), Error> {
+    bytes.clear();
+    let read = fs::File::open(path).and_then(|mut file| file.read_to_end(bytes));
+    read.map(|_| ()).map_err(|source| Error::Read { path: path.into(), source })
 }
 
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {

@@ -19,7 +19,7 @@ enum Gate {
 }
 
 /// A case as the results name it, as we print it, and what is asked of it.
-const CASES: [(&str, &str, Gate); 15] = [
+const CASES: [(&str, &str, Gate); 16] = [
     ("N=131072 M=10", "131072 points, 10 boxes", Gate::TimesWithin(10.0, 1.0)),
     ("N=131072 M=50", "131072 points, 50 boxes", Gate::Nothing),
     ("N=131072 M=100", "131072 points, 100 boxes", Gate::TimesWithin(4.0, 3.0)),
@@ -31,6 +31,7 @@ const CASES: [(&str, &str, Gate); 15] = [
     ("iou3d M=100", "3D overlap of 100", Gate::Nothing),
     ("iou3d M=500", "3D overlap of 500", Gate::Nothing),
     ("binary", "two binary PCDs", Gate::OfBytes(1.3)),
+    ("binary, bytes into used memory", "their bytes, into used memory", Gate::Nothing),
     ("odd", "two PCDs of 22-byte points", Gate::Nothing),
     ("compressed", "two compressed PCDs", Gate::Times(3.0)),
     ("ascii", "two ASCII PCDs", Gate::Nothing),

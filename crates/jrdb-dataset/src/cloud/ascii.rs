@@ -2,7 +2,7 @@
 
 use jrdb_types::PointCloud;
 
-use super::columns::without_gaps;
+use super::columns::close_gaps;
 use super::excerpt;
 
 /// What a word of a line is for.
@@ -90,15 +90,15 @@ impl<'a> Rows<'a> {
     }
 }
 
-/// The points of the rows read so far.
-pub(super) struct Points {
-    cloud: PointCloud,
+/// The points of the rows read so far, in a cloud that had none.
+pub(super) struct Points<'a> {
+    cloud: &'a mut PointCloud,
     has_intensity: bool,
 }
 
-impl Points {
-    pub(super) fn new(has_intensity: bool) -> Self {
-        Self { cloud: PointCloud::default(), has_intensity }
+impl<'a> Points<'a> {
+    pub(super) fn new(cloud: &'a mut PointCloud, has_intensity: bool) -> Self {
+        Self { cloud, has_intensity }
     }
 
     pub(super) fn push(&mut self, &[x, y, z, intensity]: &[f32; 4]) {
@@ -110,8 +110,8 @@ impl Points {
         }
     }
 
-    pub(super) fn cloud(self, sensor: &str) -> PointCloud {
-        without_gaps(PointCloud { sensor: sensor.into(), ..self.cloud })
+    pub(super) fn finish(self) {
+        close_gaps(self.cloud);
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 use jrdb_types::PointCloud;
 
 use super::columns::{ByteOrder, Column, Columns, Scalar};
+use super::{Fields, filled};
 
 /// What the floats of a point are; the file does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -87,6 +88,16 @@ impl BinLayout {
 /// [`BinError::Length`] when the bytes are not a whole number of points. A file of the other layout whose
 /// length divides by both cannot be told apart.
 pub fn parse(bytes: &[u8], layout: BinLayout, sensor: &str) -> Result<PointCloud, BinError> {
+    filled(sensor, |cloud| fill(bytes, layout, Fields::All, cloud))
+}
+
+/// [`parse`], of some fields only, into a cloud without points.
+pub(super) fn fill(
+    bytes: &[u8],
+    layout: BinLayout,
+    fields: Fields,
+    cloud: &mut PointCloud,
+) -> Result<(), BinError> {
     let stride = layout.row_bytes();
     if !bytes.len().is_multiple_of(stride) {
         let other = layout.other();
@@ -94,8 +105,10 @@ pub fn parse(bytes: &[u8], layout: BinLayout, sensor: &str) -> Result<PointCloud
         return Err(BinError::Length { expected: layout, found: bytes.len(), fits });
     }
     let column = |start| Column { scalar: Scalar::F32, start, stride };
-    let columns = Columns { xyz: [0, 4, 8].map(column), intensity: Some(column(12)) };
-    Ok(columns.cloud(bytes, bytes.len() / stride, ByteOrder::Little, sensor))
+    let intensity = (fields == Fields::All).then(|| column(12));
+    let columns = Columns { xyz: [0, 4, 8].map(column), intensity };
+    columns.fill(bytes, bytes.len() / stride, ByteOrder::Little, cloud);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -71,61 +71,93 @@ pub(super) struct Columns {
 
 /// Rows that are decoded at a time: so few that their bytes, once read for the first column, are still at hand for
 /// the others.
-const BLOCK_ROWS: usize = 256;
+const BLOCK_ROWS: usize = 1024;
 
 impl Columns {
-    /// The cloud of these columns. Rows that the body does not reach are not finite; callers check sizes.
-    pub(super) fn cloud(
-        self,
-        body: &[u8],
-        rows: usize,
-        order: ByteOrder,
-        sensor: &str,
-    ) -> PointCloud {
-        let mut cloud = Growing::new(self, rows, order);
-        cloud.append(body, rows);
-        cloud.finish(sensor)
+    /// x, y, z and intensity.
+    fn each(self) -> [Option<Column>; 4] {
+        let [x, y, z] = self.xyz.map(Some);
+        [x, y, z, self.intensity]
+    }
+
+    /// The columns with their places among x, y, z and intensity, as they come in the file.
+    pub(super) fn in_order(self) -> Vec<(usize, Column)> {
+        let columns = self.each().into_iter().enumerate();
+        let mut columns: Vec<(usize, Column)> =
+            columns.filter_map(|(axis, column)| Some((axis, column?))).collect();
+        columns.sort_by_key(|(_, column)| column.start);
+        columns
+    }
+
+    /// Fills a cloud without points with these columns. Rows that the body does not reach are not finite; callers
+    /// check sizes.
+    pub(super) fn fill(self, body: &[u8], rows: usize, order: ByteOrder, cloud: &mut PointCloud) {
+        let mut growing = Growing::new(self, rows, order, cloud);
+        growing.append(body, rows);
+        growing.finish();
     }
 }
 
 /// A cloud that is decoded piece by piece.
-pub(super) struct Growing {
+pub(super) struct Growing<'a> {
     columns: [Option<Column>; 4],
-    numbers: [Vec<f32>; 4],
+    cloud: &'a mut PointCloud,
     order: ByteOrder,
     /// Whether every coordinate so far is a finite number.
     is_finite: bool,
 }
 
-impl Growing {
-    /// An empty cloud with memory for so many rows.
-    pub(super) fn new(columns: Columns, rows: usize, order: ByteOrder) -> Self {
-        let [x, y, z] = columns.xyz;
-        let columns = [Some(x), Some(y), Some(z), columns.intensity];
-        let numbers = columns.map(|column| Vec::with_capacity(column.map_or(0, |_| rows)));
-        Self { columns, numbers, order, is_finite: true }
+impl<'a> Growing<'a> {
+    /// A cloud without points, with memory for so many rows.
+    pub(super) fn new(
+        columns: Columns,
+        rows: usize,
+        order: ByteOrder,
+        cloud: &'a mut PointCloud,
+    ) -> Self {
+        let columns = columns.each();
+        for (column, numbers) in columns.iter().zip(numbers(cloud)) {
+            numbers.reserve(column.map_or(0, |_| rows));
+        }
+        Self { columns, cloud, order, is_finite: true }
     }
 
     /// Decodes the next rows, which start where the body does.
     pub(super) fn append(&mut self, body: &[u8], rows: usize) {
         for first in (0..rows).step_by(BLOCK_ROWS) {
             let count = BLOCK_ROWS.min(rows - first);
-            for (axis, (column, numbers)) in self.columns.iter().zip(&mut self.numbers).enumerate()
-            {
-                if let Some(column) = column {
-                    let start = numbers.len();
-                    column.decode(body, first, count, self.order, numbers);
-                    self.is_finite &= axis > 2 || all_finite(&numbers[start..]);
-                }
+            for axis in 0..self.columns.len() {
+                self.append_axis(axis, body, first, count);
             }
         }
     }
 
-    pub(super) fn finish(self, sensor: &str) -> PointCloud {
-        let [x, y, z, intensity] = self.numbers;
-        let cloud = PointCloud { sensor: sensor.into(), x, y, z, intensity, skipped: 0 };
-        if self.is_finite { cloud } else { without_gaps(cloud) }
+    /// Decodes some rows of one column: those behind the ones it has.
+    #[inline(always)]
+    pub(super) fn append_axis(&mut self, axis: usize, body: &[u8], first: usize, count: usize) {
+        let Some(column) = self.columns[axis] else { return };
+        let [x, y, z, intensity] = numbers(self.cloud);
+        let numbers = match axis {
+            0 => x,
+            1 => y,
+            2 => z,
+            _ => intensity,
+        };
+        let start = numbers.len();
+        column.decode(body, first, count, self.order, numbers);
+        self.is_finite &= axis > 2 || all_finite(&numbers[start..]);
     }
+
+    pub(super) fn finish(self) {
+        if !self.is_finite {
+            close_gaps(self.cloud);
+        }
+    }
+}
+
+/// x, y, z and intensity.
+pub(super) fn numbers(cloud: &mut PointCloud) -> [&mut Vec<f32>; 4] {
+    [&mut cloud.x, &mut cloud.y, &mut cloud.z, &mut cloud.intensity]
 }
 
 impl Column {
@@ -166,27 +198,36 @@ fn floats<const STRIDE: usize>(bytes: &[u8], rows: usize) -> impl ExactSizeItera
     rows.map(|row| f32::from_le_bytes([row[0], row[1], row[2], row[3]]))
 }
 
-/// The cloud without the points that have no place; they are counted instead.
-pub(super) fn without_gaps(mut cloud: PointCloud) -> PointCloud {
-    let xyz = cloud.x.iter().zip(&cloud.y).zip(&cloud.z);
-    let has_place: Vec<bool> =
-        xyz.map(|((x, y), z)| x.is_finite() && y.is_finite() && z.is_finite()).collect();
-    for column in [&mut cloud.x, &mut cloud.y, &mut cloud.z, &mut cloud.intensity] {
-        let mut keep = has_place.iter();
-        column.retain(|_| keep.next().copied().unwrap_or(false));
+/// Moves the points together that have a place; the others are counted instead.
+pub(super) fn close_gaps(cloud: &mut PointCloud) {
+    let (rows, mut kept) = (cloud.len(), 0);
+    let mut columns = numbers(cloud);
+    for row in 0..rows {
+        let [x, y, z, _] = &columns;
+        let has_place = [x, y, z].iter().all(|axis| axis.get(row).is_some_and(|v| v.is_finite()));
+        for column in &mut columns {
+            // A cloud without intensity has none here either.
+            if let Some(&number) = column.get(row) {
+                column[kept] = number;
+            }
+        }
+        kept += usize::from(has_place);
     }
-    cloud.skipped = has_place.len() - cloud.x.len();
-    cloud
+    for column in columns {
+        column.truncate(kept);
+    }
+    cloud.skipped = rows - kept;
 }
 
-/// Whether all numbers are finite, several at a time.
+/// Whether all numbers are sure to be finite, several at a time: their sums are. Numbers so large that a sum overflows
+/// are taken for gaps, too, until [`close_gaps`] looks at each.
 fn all_finite(numbers: &[f32]) -> bool {
     const LANES: usize = 16;
     let (blocks, rest) = numbers.as_chunks::<LANES>();
-    let mut sums = [0.0; LANES]; // 0 times a number is 0, unless that is infinite or none
+    let mut sums = [0.0; LANES];
     for block in blocks {
         for (sum, number) in sums.iter_mut().zip(block) {
-            *sum += 0.0 * number;
+            *sum += number;
         }
     }
     sums.iter().chain(rest).all(|number: &f32| number.is_finite())
@@ -197,10 +238,20 @@ mod tests {
     use super::*;
 
     #[test]
+    fn points_at_the_end_of_the_number_range_are_kept() {
+        let body: Vec<u8> = [f32::MAX; 3 * 40].iter().flat_map(|v| v.to_le_bytes()).collect();
+        let column = |start| Column { scalar: Scalar::F32, start, stride: 12 };
+        let columns = Columns { xyz: [0, 4, 8].map(column), intensity: None };
+        let mut cloud = PointCloud::default();
+        columns.fill(&body, 40, ByteOrder::Little, &mut cloud);
+        assert_eq!((cloud.len(), cloud.skipped), (40, 0));
+    }
+
+    #[test]
     fn one_number_that_is_not_finite_is_found_wherever_it_is() {
         for at in 0..40 {
             for value in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
-                let mut numbers = [f32::MAX; 40];
+                let mut numbers = [-1e30; 40];
                 assert!(all_finite(&numbers));
                 numbers[at] = value;
                 assert!(!all_finite(&numbers), "{value} at {at}");
@@ -221,7 +272,8 @@ mod tests {
                 let body: Vec<u8> = (0..rows).flat_map(row).collect();
                 let column = |at| Column { scalar: Scalar::F32, start: stride - 12 + at, stride };
                 let columns = Columns { xyz: [0, 4, 8].map(column), intensity: None };
-                let cloud = columns.cloud(&body, rows, ByteOrder::Little, "s");
+                let mut cloud = PointCloud::default();
+                columns.fill(&body, rows, ByteOrder::Little, &mut cloud);
                 let expected: Vec<f32> = (0..rows).map(|i| i as f32).collect();
                 assert_eq!(cloud.x, expected, "{stride}");
                 assert_eq!(cloud.y, expected.iter().map(|v| -v).collect::<Vec<_>>(), "{stride}");

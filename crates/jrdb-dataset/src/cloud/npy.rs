@@ -5,7 +5,7 @@ use std::str::FromStr;
 use jrdb_types::PointCloud;
 
 use super::columns::{ByteOrder, Column, Columns, Scalar};
-use super::excerpt;
+use super::{Fields, excerpt, filled};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 
@@ -59,6 +59,11 @@ pub enum NpyError {
 /// # Errors
 /// [`NpyError`] for any other array.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, NpyError> {
+    filled(sensor, |cloud| fill(bytes, Fields::All, cloud))
+}
+
+/// [`parse`], of some fields only, into a cloud without points.
+pub(super) fn fill(bytes: &[u8], fields: Fields, cloud: &mut PointCloud) -> Result<(), NpyError> {
     let (header, body) = split_header(bytes)?;
     let Header { scalar, fortran_order, rows, columns } = header.parse()?;
     let expected = (rows as u128 * columns as u128).saturating_mul(scalar.size() as u128);
@@ -73,9 +78,10 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, NpyError> {
             stride: stride.saturating_mul(scalar.size()),
         }
     };
-    let intensity = (columns > 3).then(|| column(3));
+    let intensity = (columns > 3 && fields == Fields::All).then(|| column(3));
     let columns = Columns { xyz: [0, 1, 2].map(column), intensity };
-    Ok(columns.cloud(body, rows, ByteOrder::Little, sensor))
+    columns.fill(body, rows, ByteOrder::Little, cloud);
+    Ok(())
 }
 
 /// The header's text, and what follows it.

@@ -18,52 +18,68 @@ const HASH_BITS: u32 = 14;
 /// matches of floats are shorter.
 const STEP: usize = 8;
 
-/// The first bytes that a stream stands for, at least `wanted` of the `expected`; what it says beyond them is not
-/// looked at. All of them when `wanted` is `expected`, and then the stream must stand for exactly so many.
-///
-/// They are written to `block`, whose memory is used again. Nothing is allocated for an expectation that the
-/// stream cannot fulfil.
-pub(crate) fn decompress<'a>(
-    stream: &[u8],
+/// A stream and how far it is decompressed.
+pub(crate) struct Decompressor<'a> {
+    rest: &'a [u8],
+    out: &'a mut [u8],
+    /// Bytes of `out` that are written; a copy may have written a little beyond them.
+    at: usize,
     expected: usize,
-    wanted: usize,
-    block: &'a mut Vec<u8>,
-) -> Option<&'a [u8]> {
-    if expected > stream.len().saturating_mul(MAX_RATIO) {
-        return None;
-    }
-    // A copy may write a little beyond what is wanted.
-    block.resize(expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS)), 0);
-    let out = block.as_mut_slice();
-    let stop = if wanted < expected { wanted } else { usize::MAX };
-    let (mut rest, mut at) = (stream, 0);
-    while let [control, after @ ..] = rest {
-        if at >= stop {
-            return out.get(..wanted);
+}
+
+impl<'a> Decompressor<'a> {
+    /// Of a stream that should stand for `expected` bytes, of which the first `wanted` may be asked for. Nothing is
+    /// allocated for an expectation that the stream cannot fulfil.
+    ///
+    /// They are written to `block`, whose memory is used again.
+    pub(crate) fn new(
+        stream: &'a [u8],
+        expected: usize,
+        wanted: usize,
+        block: &'a mut Vec<u8>,
+    ) -> Option<Self> {
+        if expected > stream.len().saturating_mul(MAX_RATIO) {
+            return None;
         }
-        let high = control >> 5;
-        if high == 0 {
-            let length = usize::from(*control) + 1;
-            copy_literals(after, length, out, at)?;
-            rest = after.get(length..)?;
-            at += length;
-        } else {
-            let (more, after) = match high {
-                LONG_MATCH => {
-                    after.split_first().map(|(&more, after)| (usize::from(more), after))?
-                }
-                _ => (0, after),
-            };
-            let (&low, after) = after.split_first()?;
-            let length = usize::from(high) + more + 2;
-            let distance = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
-            copy_match(length, distance, out, at)?;
-            rest = after;
-            at += length;
-        }
+        // A copy may write a little beyond what is wanted.
+        block.resize(expected.min(wanted.saturating_add(MAX_MATCH + MAX_LITERALS)), 0);
+        Some(Self { rest: stream, out: block, at: 0, expected })
     }
-    let is_enough = if wanted < expected { at >= wanted } else { at == expected };
-    if is_enough { out.get(..wanted) } else { None }
+
+    /// The first `wanted` bytes; what the stream says beyond them is not looked at. When they are all that is
+    /// expected, the stream must stand for exactly so many.
+    pub(crate) fn first(&mut self, wanted: usize) -> Option<&[u8]> {
+        let stop = if wanted < self.expected { wanted } else { usize::MAX };
+        let (mut rest, mut at, out) = (self.rest, self.at, &mut *self.out);
+        while let [control, after @ ..] = rest {
+            if at >= stop {
+                break;
+            }
+            let high = control >> 5;
+            if high == 0 {
+                let length = usize::from(*control) + 1;
+                copy_literals(after, length, out, at)?;
+                rest = after.get(length..)?;
+                at += length;
+            } else {
+                let (more, after) = match high {
+                    LONG_MATCH => {
+                        after.split_first().map(|(&more, after)| (usize::from(more), after))?
+                    }
+                    _ => (0, after),
+                };
+                let (&low, after) = after.split_first()?;
+                let length = usize::from(high) + more + 2;
+                let distance = (usize::from(control & 0x1f) << 8 | usize::from(low)) + 1;
+                copy_match(length, distance, out, at)?;
+                rest = after;
+                at += length;
+            }
+        }
+        (self.rest, self.at) = (rest, at);
+        let is_enough = if wanted < self.expected { at >= wanted } else { at == self.expected };
+        if is_enough { self.out.get(..wanted) } else { None }
+    }
 }
 
 // The three copies are inlined by force: as calls they take a third longer.
@@ -166,7 +182,12 @@ mod tests {
     /// What a stream stands for, from a block that held something else before.
     fn all_of(stream: &[u8], expected: usize, wanted: usize) -> Option<Vec<u8>> {
         let mut block = vec![0xaa; 700];
-        decompress(stream, expected, wanted, &mut block).map(<[u8]>::to_vec)
+        let mut decompressor = Decompressor::new(stream, expected, wanted, &mut block)?;
+        // Piece by piece or at once, it is the same.
+        for part in [wanted / 3, wanted / 2].into_iter().filter(|part| *part < wanted) {
+            decompressor.first(part)?;
+        }
+        decompressor.first(wanted).map(<[u8]>::to_vec)
     }
     use proptest::prelude::*;
 

@@ -7,10 +7,11 @@ mod write;
 
 use jrdb_types::PointCloud;
 
-use super::Fields;
 use super::ascii::{self, Word};
-use super::columns::{ByteOrder, Column, Columns};
+use super::columns::{ByteOrder, Column, Columns, Growing};
+use super::{Fields, filled};
 use header::{Header, Kept};
+use lzf::Decompressor;
 pub(super) use stream::read;
 pub use write::write;
 
@@ -98,36 +99,30 @@ pub enum PcdError {
 /// # Errors
 /// [`PcdError`]; nothing is allocated for points that the file has no bytes for.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
-    parse_fields(bytes, sensor, Fields::All, &mut Vec::new())
+    filled(sensor, |cloud| fill(bytes, Fields::All, &mut Vec::new(), cloud))
 }
 
-/// [`parse`], of some fields only; decompresses into `block`.
-fn parse_fields(
+/// [`parse`], of some fields only, into a cloud without points; decompresses into `block`.
+pub(super) fn fill(
     bytes: &[u8],
-    sensor: &str,
     fields: Fields,
     block: &mut Vec<u8>,
-) -> Result<PointCloud, PcdError> {
+    cloud: &mut PointCloud,
+) -> Result<(), PcdError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
     let rows = header.points as usize; // of a binary body, which is checked to have them
     let little = ByteOrder::Little;
     match header.encoding {
-        Encoding::Ascii => read_ascii(&header, body, sensor),
+        Encoding::Ascii => read_ascii(&header, body, cloud)?,
         Encoding::Binary => {
             let body = body.get(..header.body_bytes(body.len())?).unwrap_or_default();
             let columns = header.columns(|kept| (kept.offset, header.row_bytes));
-            Ok(columns.cloud(body, rows, little, sensor))
+            columns.fill(body, rows, little, cloud);
         }
-        Encoding::BinaryCompressed => {
-            let kept = header.xyz.iter().chain(&header.intensity);
-            let ends = kept.map(|kept| (kept.offset + kept.scalar.size()).saturating_mul(rows));
-            let body = decompress(&header, body, ends.max().unwrap_or(0), block)?;
-            // The block is checked to be there: the products are no more than its length.
-            let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
-            Ok(columns.cloud(body, rows, little, sensor))
-        }
+        Encoding::BinaryCompressed => fill_compressed(&header, body, block, cloud)?,
     }
+    Ok(())
 }
 
 impl Header {
@@ -157,9 +152,9 @@ impl Header {
     }
 }
 
-fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
+fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PcdError> {
     let (mut rows, words) = (ascii::Rows::new(body), header.words());
-    let (mut points, mut found) = (ascii::Points::new(header.intensity.is_some()), 0);
+    let (mut points, mut found) = (ascii::Points::new(cloud, header.intensity.is_some()), 0);
     let mut row = [0.0; 4];
     while let Some(read) = rows.next_row(&words, &mut row) {
         let bad = |bad: ascii::BadRow| PcdError::BadRow {
@@ -171,35 +166,65 @@ fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, 
         points.push(&row);
         found += 1;
     }
-    if found as u64 == header.points {
-        Ok(points.cloud(sensor))
-    } else {
-        Err(PcdError::WrongCount { expected: header.points, found })
+    if found as u64 != header.points {
+        return Err(PcdError::WrongCount { expected: header.points, found });
     }
+    points.finish();
+    Ok(())
 }
 
-/// The block, from its start to where what is kept of it ends.
-fn decompress<'a>(
+/// Rows of a column that are decompressed before they are decoded: they are then still in the first-level cache.
+const PIECE_ROWS: usize = 1 << 12;
+
+/// Reads columns one behind the other, from a block that is decompressed as far as they go.
+fn fill_compressed(
     header: &Header,
     body: &[u8],
-    end: usize,
-    block: &'a mut Vec<u8>,
-) -> Result<&'a [u8], PcdError> {
+    block: &mut Vec<u8>,
+    cloud: &mut PointCloud,
+) -> Result<(), PcdError> {
     let expected = header.body_bytes(body.len().saturating_mul(lzf::MAX_RATIO))?;
-    let bad = |found: String| PcdError::BadCompression { expected, found };
+    let stream = compressed(body, expected)?;
+    let bad = || bad_compression(expected, "a stream that stands for others".into());
+    let rows = header.points as usize; // no more than the block is found to have
+    let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
+    let columns_in_order = columns.in_order();
+    let ends = columns_in_order.iter().map(|(_, column)| column.start + rows * column.stride);
+    let end = ends.max().unwrap_or(0).min(expected);
+    let mut block = Decompressor::new(stream, expected, end, block).ok_or_else(bad)?;
+    let mut growing = Growing::new(columns, rows, ByteOrder::Little, cloud);
+    for (axis, column) in columns_in_order {
+        for first in (0..rows).step_by(PIECE_ROWS) {
+            let count = PIECE_ROWS.min(rows - first);
+            let end = column.start + (first + count) * column.stride;
+            let body = block.first(end).ok_or_else(bad)?;
+            growing.append_axis(axis, body, first, count);
+        }
+    }
+    block.first(end).ok_or_else(bad)?;
+    growing.finish();
+    Ok(())
+}
+
+/// The compressed bytes of a body that says how many they are and what they stand for.
+fn compressed(body: &[u8], expected: usize) -> Result<&[u8], PcdError> {
     let Some((sizes, rest)) = body.split_at_checked(8) else {
-        return Err(bad(format!("{} bytes, too few for its sizes", body.len())));
+        return Err(bad_compression(
+            expected,
+            format!("{} bytes, too few for its sizes", body.len()),
+        ));
     };
     let size = |at: usize| u32::from_le_bytes(std::array::from_fn(|i| sizes[at + i])) as usize;
     if size(4) != expected {
-        return Err(bad(format!("one that states {}", size(4))));
+        return Err(bad_compression(expected, format!("one that states {}", size(4))));
     }
-    let Some(stream) = rest.get(..size(0)) else {
-        return Err(bad(format!("{} of {} compressed bytes", rest.len(), size(0))));
-    };
-    let wanted = end.min(expected);
-    lzf::decompress(stream, expected, wanted, block)
-        .ok_or_else(|| bad("a stream that stands for others".into()))
+    rest.get(..size(0)).ok_or_else(|| {
+        bad_compression(expected, format!("{} of {} compressed bytes", rest.len(), size(0)))
+    })
+}
+
+fn bad_compression(expected: usize, found: String) -> PcdError {
+    PcdError::BadCompression { expected, found }
 }
 
 #[cfg(test)]

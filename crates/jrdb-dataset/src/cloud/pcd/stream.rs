@@ -6,44 +6,47 @@ use std::path::Path;
 
 use jrdb_types::PointCloud;
 
-use super::{Encoding, Header, PcdError, parse_fields};
+use super::{Encoding, Header, PcdError, fill};
 use crate::Error;
 use crate::cloud::columns::{ByteOrder, Growing};
 use crate::cloud::{CloudError, Fields, Reader};
 
-/// Bytes that are read at a time: they stay in the second-level cache until they are decoded.
-const PIECE: usize = 1 << 16;
+/// Bytes that are read first, for the header to be in them.
+const HEAD: usize = 1 << 16;
+/// Bytes of a binary body that are read at a time: they stay in the second-level cache until they are decoded.
+const PIECE: usize = 1 << 17;
 
-/// Reads a file; what it says is what [`super::parse`] says of its bytes.
+/// Reads a file into a cloud without points; what it says is what [`super::parse`] says of its bytes.
 pub(in crate::cloud) fn read(
     path: &Path,
-    sensor: &str,
     fields: Fields,
     Reader { bytes, block }: &mut Reader,
-) -> Result<PointCloud, Error> {
+    cloud: &mut PointCloud,
+) -> Result<(), Error> {
     let unreadable = |source| Error::Read { path: path.into(), source };
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    bytes.resize(PIECE, 0);
-    let filled = fill(&mut file, bytes).map_err(unreadable)?;
+    bytes.resize(HEAD, 0);
+    let filled = read_full(&mut file, bytes).map_err(unreadable)?;
     let parsed = match Header::parse(&bytes[..filled]) {
         Ok((header, body)) if header.encoding == Encoding::Binary && header.row_bytes <= PIECE => {
             let (header, start) = (header.with(fields), filled - body.len());
+            bytes.resize(PIECE, 0);
             let source = Source { file, piece: bytes, start, filled };
-            source.binary(&header, length, sensor).map_err(unreadable)?
+            source.binary(&header, length, cloud).map_err(unreadable)?
         }
         // Another encoding, or a header that is wrong or longer than a piece.
         _ => {
             bytes.truncate(filled);
             file.read_to_end(bytes).map_err(unreadable)?;
-            parse_fields(bytes, sensor, fields, block)
+            fill(bytes, fields, block, cloud)
         }
     };
     parsed.map_err(|source| Error::Cloud { path: path.into(), source: CloudError::Pcd(source) })
 }
 
 /// Fills a buffer, or as much of it as the file has; how much.
-fn fill(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
+fn read_full(file: &mut File, buffer: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     loop {
         match file.read(&mut buffer[filled..]) {
@@ -70,19 +73,19 @@ impl Source<'_> {
         mut self,
         header: &Header,
         length: u64,
-        sensor: &str,
-    ) -> std::io::Result<Result<PointCloud, PcdError>> {
+        cloud: &mut PointCloud,
+    ) -> std::io::Result<Result<(), PcdError>> {
         let available = usize::try_from(length).unwrap_or(usize::MAX).saturating_sub(self.start);
         if let Err(error) = header.body_bytes(available) {
             return Ok(Err(error));
         }
         let (row, mut left) = (header.row_bytes, header.points as usize);
         let columns = header.columns(|kept| (kept.offset, row));
-        let mut cloud = Growing::new(columns, left, ByteOrder::Little);
+        let mut growing = Growing::new(columns, left, ByteOrder::Little, cloud);
         while left > 0 {
             let body = &self.piece[self.start..self.filled];
             let rows = (body.len() / row).min(left);
-            cloud.append(body, rows);
+            growing.append(body, rows);
             (self.start, left) = (self.start + rows * row, left - rows);
             if left > 0 && !self.advance()? {
                 // The file has become shorter since its length was asked for.
@@ -91,14 +94,15 @@ impl Source<'_> {
                 return Ok(Err(PcdError::TooShort { expected, points, found }));
             }
         }
-        Ok(Ok(cloud.finish(sensor)))
+        growing.finish();
+        Ok(Ok(()))
     }
 
     /// Moves what is left of the piece to its start and reads on; false at the end of the file.
     fn advance(&mut self) -> std::io::Result<bool> {
         self.piece.copy_within(self.start..self.filled, 0);
         let kept = self.filled - self.start;
-        let read = fill(&mut self.file, &mut self.piece[kept..])?;
+        let read = read_full(&mut self.file, &mut self.piece[kept..])?;
         (self.start, self.filled) = (0, kept + read);
         Ok(read > 0)
     }

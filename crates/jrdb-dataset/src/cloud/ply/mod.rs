@@ -6,6 +6,7 @@ use jrdb_types::PointCloud;
 
 use super::ascii::{self, Word};
 use super::columns::{ByteOrder, Column, Columns};
+use super::{Fields, filled};
 use header::{Element, Header, Kept, Kind, Property};
 
 /// How the elements of a PLY file are stored.
@@ -70,17 +71,23 @@ pub enum PlyError {
 /// # Errors
 /// [`PlyError`]; nothing is allocated for points that the file has no bytes for.
 pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PlyError> {
+    filled(sensor, |cloud| fill(bytes, Fields::All, cloud))
+}
+
+/// [`parse`], of some fields only, into a cloud without points.
+pub(super) fn fill(bytes: &[u8], fields: Fields, cloud: &mut PointCloud) -> Result<(), PlyError> {
     let (header, body) = Header::parse(bytes)?;
+    let header = header.with(fields);
     match header.encoding {
-        Encoding::Ascii => read_ascii(&header, body, sensor),
+        Encoding::Ascii => read_ascii(&header, body, cloud),
         Encoding::Binary(order) => {
             let mut body = body;
             for element in &header.before {
                 body = skip(element, body, order)?;
             }
             match header.vertex.row_bytes() {
-                Some(row_bytes) => read_table(&header, row_bytes, body, order, sensor),
-                None => read_rows(&header, body, order, sensor),
+                Some(row_bytes) => read_table(&header, row_bytes, body, order, cloud),
+                None => read_rows(&header, body, order, cloud),
             }
         }
     }
@@ -144,11 +151,12 @@ fn read_table(
     row_bytes: usize,
     body: &[u8],
     order: ByteOrder,
-    sensor: &str,
-) -> Result<PointCloud, PlyError> {
+    cloud: &mut PointCloud,
+) -> Result<(), PlyError> {
     let (points, _) = header.vertex.split_table(row_bytes, body)?;
     let rows = points.len() / row_bytes;
-    Ok(header.columns(row_bytes).cloud(points, rows, order, sensor))
+    header.columns(row_bytes).fill(points, rows, order, cloud);
+    Ok(())
 }
 
 /// Points with lists among their properties.
@@ -156,9 +164,9 @@ fn read_rows(
     header: &Header,
     body: &[u8],
     order: ByteOrder,
-    sensor: &str,
-) -> Result<PointCloud, PlyError> {
-    let mut points = ascii::Points::new(header.intensity.is_some());
+    cloud: &mut PointCloud,
+) -> Result<(), PlyError> {
+    let mut points = ascii::Points::new(cloud, header.intensity.is_some());
     let mut rest = body;
     for found in 0..header.vertex.count {
         let mut row = [0.0; 4];
@@ -170,10 +178,11 @@ fn read_rows(
         rest = after.ok_or_else(|| header.vertex.too_short(found))?;
         points.push(&row);
     }
-    Ok(points.cloud(sensor))
+    points.finish();
+    Ok(())
 }
 
-fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, PlyError> {
+fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PlyError> {
     let mut rows = ascii::Rows::new(body);
     for element in header.before.iter().filter(|element| !element.properties.is_empty()) {
         for found in 0..element.count {
@@ -181,7 +190,7 @@ fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, 
         }
     }
     let words = header.words();
-    let mut points = ascii::Points::new(header.intensity.is_some());
+    let mut points = ascii::Points::new(cloud, header.intensity.is_some());
     let mut row = [0.0; 4];
     for point in 0..header.vertex.count {
         let read = rows.next_row(&words, &mut row);
@@ -189,10 +198,17 @@ fn read_ascii(header: &Header, body: &[u8], sensor: &str) -> Result<PointCloud, 
         read.ok_or_else(|| header.vertex.too_short(point))?.map_err(bad)?;
         points.push(&row);
     }
-    Ok(points.cloud(sensor))
+    points.finish();
+    Ok(())
 }
 
 impl Header {
+    /// The header without the properties that are not asked for.
+    fn with(self, fields: Fields) -> Self {
+        let intensity = self.intensity.filter(|_| fields == Fields::All);
+        Self { intensity, ..self }
+    }
+
     /// x, y, z and, where there is one, the intensity.
     fn kept(&self) -> impl Iterator<Item = &Kept> {
         self.xyz.iter().chain(&self.intensity)
