@@ -328,6 +328,7 @@ fn detection(id: EntityId, bbox: PixelBox, score: f64) -> Detection {
         bbox,
         attributes: Attributes::default(),
         interactions: Vec::new(),
+        group: None,
         occlusion: None,
         heading_rad: None,
         box3d: None,

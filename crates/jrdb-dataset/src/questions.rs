@@ -1,4 +1,4 @@
-//! JRDB-Reasoning data points: questions about one frame with their known answers.
+//! JRDB-Reasoning data points: questions about one frame or a recording with their known answers.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::number::Real;
 use crate::{Error, file};
 
-/// The only slot that a question about one frame has.
+/// The only slot that a question about one frame has, and the first of one about a recording.
 const SLOT: &str = "slot1";
 
 /// In front of a person's id in JRDB-Reasoning's files.
@@ -89,15 +89,19 @@ struct Known {
     answer: Option<serde_json::Value>,
 }
 
-/// Reads a list of JRDB-Reasoning data points about single frames: `VG`, and `VQA` that counts.
+/// What a question is about, as the files name it.
+const IMAGE: &str = "image";
+const VIDEO: &str = "video";
+
+/// Reads a list of JRDB-Reasoning data points, `VG` and `VQA`, about single frames and recordings.
 ///
 /// The known answer is `final_ID` (without its `h_`), `final_bbox` and, in `VQA`, `final_answer` of
-/// `labels.slot1`. A `VQA` question whose answer is not a number is kept without a known answer. The
-/// category is the key `category` of our own where it is there; else the attributes asked, named as the
+/// `labels.slot1`. A `VQA` question whose answer is not a number is kept without a known answer. Of a
+/// recording, the answer of the first slot is known, as the benchmark scores it. The category is the key `category` of our own where it is there; else the attributes asked, named as the
 /// benchmark does (`gender-age-race-HHG`); else `uncategorised`.
 ///
 /// # Errors
-/// [`Error::Read`], [`Error::Json`], or [`Error::Content`] for a question about a video or another task,
+/// [`Error::Read`], [`Error::Json`], or [`Error::Content`] for a question about something else or of another task,
 /// without a frame, or with a known answer that cannot be read.
 pub fn read_questions(path: &Path) -> Result<Questions, Error> {
     parse(&file::read_text(path)?, path)
@@ -122,29 +126,41 @@ fn parse(text: &str, path: &Path) -> Result<Questions, Error> {
 type Mismatch = (&'static str, String);
 
 fn question(point: DataPoint) -> Result<Question, Mismatch> {
-    if point.data.modality_type != "image" {
-        return Err(("modality_type \"image\"", format!("{:?}", point.data.modality_type)));
+    if ![IMAGE, VIDEO].contains(&point.data.modality_type.as_str()) {
+        let found = format!("{:?}", point.data.modality_type);
+        return Err(("modality_type \"image\" or \"video\"", found));
     }
     if !["VG", "VQA"].contains(&point.task_type.as_str()) {
         return Err(("task_type \"VG\" or \"VQA\"", format!("{:?}", point.task_type)));
     }
     let sequence = point.data.seq.strip_suffix(".json").unwrap_or(&point.data.seq);
-    let frame = FrameId { sequence: sequence.into(), frame: frame(&point)? };
+    let mut slots = slots(&point)?;
+    let frame = FrameId { sequence: sequence.into(), frame: slots[0][0] };
+    if point.data.modality_type == IMAGE {
+        slots.clear();
+    }
     let truth = match point.labels.get(SLOT) {
         Some(known) => truth(known, &point.task_type)?,
         None => None,
     };
     let category = point.category.unwrap_or_else(|| derived_category(&point.question));
-    Ok(Question { text: point.question.question, category, frame, truth })
+    Ok(Question { text: point.question.question, category, frame, slots, truth })
 }
 
-fn frame(point: &DataPoint) -> Result<u32, Mismatch> {
-    let images = point.question.timestamps.get(SLOT).map(|slot| slot.image_ids.as_slice());
-    let images = images.unwrap_or_default();
-    images
-        .first()
-        .and_then(|name| file::frame_number(name))
-        .ok_or_else(|| ("timestamps.slot1.image_ids with a frame number", format!("{images:?}")))
+/// Numbers of the frames of each slot; there is at least one slot, and one frame in each.
+fn slots(point: &DataPoint) -> Result<Vec<Vec<u32>>, Mismatch> {
+    let expected = "timestamps.slot1.image_ids with a frame number";
+    let named = (1..).map_while(|number| point.question.timestamps.get(&format!("slot{number}")));
+    let slots: Option<Vec<Vec<u32>>> = named
+        .map(|slot| {
+            let numbers = slot.image_ids.iter().map(|name| file::frame_number(name));
+            numbers.collect::<Option<Vec<u32>>>().filter(|numbers| !numbers.is_empty())
+        })
+        .collect();
+    slots.filter(|slots| !slots.is_empty()).ok_or_else(|| {
+        let first = point.question.timestamps.get(SLOT).map(|slot| slot.image_ids.as_slice());
+        (expected, format!("{:?}", first.unwrap_or_default()))
+    })
 }
 
 fn truth(known: &serde_json::Value, task: &str) -> Result<Option<Truth>, Mismatch> {
@@ -217,20 +233,20 @@ struct DataPointOut<'a> {
 #[derive(Serialize)]
 struct AskedOut<'a> {
     question: &'a str,
-    timestamps: BTreeMap<&'static str, SlotOut>,
+    timestamps: BTreeMap<String, SlotOut>,
 }
 
 #[derive(Serialize)]
 struct SlotOut {
     t1: f64,
     t2: f64,
-    image_ids: [String; 1],
+    image_ids: Vec<String>,
     r#type: &'static str,
 }
 
 #[derive(Serialize)]
 struct KnownOut {
-    image_ids: [String; 1],
+    image_ids: Vec<String>,
     #[serde(rename = "final_ID")]
     ids: Vec<String>,
     #[serde(rename = "final_bbox")]
@@ -255,11 +271,20 @@ pub fn write_questions(questions: &Questions) -> String {
 }
 
 fn data_point(question: &Question) -> DataPointOut<'_> {
-    let image_ids = [format!("{:06}.jpg", question.frame.frame)];
-    let time = f64::from(question.frame.frame);
-    let slot = SlotOut { t1: time, t2: time, image_ids: image_ids.clone(), r#type: "specific" };
+    let one = vec![vec![question.frame.frame]];
+    let slots = if question.slots.is_empty() { &one } else { &question.slots };
+    let images = |frames: &[u32]| frames.iter().map(|n| format!("{n:06}.jpg")).collect::<Vec<_>>();
+    let ends =
+        |frames: &[u32]| [frames.first(), frames.last()].map(|n| f64::from(*n.unwrap_or(&0)));
+    let slot = |frames: &Vec<u32>| {
+        let [t1, t2] = ends(frames);
+        SlotOut { t1, t2, image_ids: images(frames), r#type: "specific" }
+    };
+    let timestamps =
+        (1..).zip(slots).map(|(number, frames)| (format!("slot{number}"), slot(frames)));
+    let modality = if question.slots.is_empty() { IMAGE } else { VIDEO };
     let known = question.truth.as_ref().map(|truth| KnownOut {
-        image_ids,
+        image_ids: images(&slots[0]),
         ids: truth.ids.iter().map(|id| format!("{HUMAN}{id}")).collect(),
         boxes: truth.boxes.clone(),
         answer: truth.count,
@@ -271,9 +296,9 @@ fn data_point(question: &Question) -> DataPointOut<'_> {
         r#type: "human",
         data: Data {
             seq: format!("{}.json", question.frame.sequence),
-            modality_type: "image".into(),
+            modality_type: modality.into(),
         },
-        question: AskedOut { question: &question.text, timestamps: BTreeMap::from([(SLOT, slot)]) },
+        question: AskedOut { question: &question.text, timestamps: timestamps.collect() },
         labels: known.map(|known| (SLOT, known)).into_iter().collect(),
     }
 }
@@ -346,16 +371,29 @@ mod tests {
         let mut questions = read(&[POINT, POINT, POINT].join(",")).unwrap();
         questions.questions[1].truth = None;
         questions.questions[2].truth.as_mut().unwrap().count = Some(2);
+        questions.questions[2].slots = vec![vec![2, 3], vec![5]];
         let text = write_questions(&questions);
         assert_eq!(parse(&text, Path::new("q")).unwrap(), questions);
+    }
+
+    #[test]
+    fn a_question_about_a_recording_has_the_frames_of_its_slots() {
+        let video = POINT.replace(r#""image","#, r#""video","#).replace(
+            r#""image_ids": ["000002.jpg"], "type": "specific"}}"#,
+            r#""image_ids": ["000002.jpg"]}, "slot2": {"image_ids": ["000004.jpg", "000005.jpg"]}}"#,
+        );
+        let question = &read(&video).unwrap().questions[0];
+        assert_eq!((question.frame.frame, &question.slots), (2, &vec![vec![2], vec![4, 5]]));
     }
 
     #[test]
     fn trouble_names_the_question() {
         let place = r#"in "questions.json""#;
         assert_eq!(
-            error(&POINT.replace(r#""image","#, r#""video","#)),
-            format!(r#"expected modality_type "image" in question 0, found "video", {place}"#)
+            error(&POINT.replace(r#""image","#, r#""sound","#)),
+            format!(
+                r#"expected modality_type "image" or "video" in question 0, found "sound", {place}"#
+            )
         );
         assert_eq!(
             error(&format!("{POINT}, {}", POINT.replace("h_pedestrian:2", "h_None"))),

@@ -66,6 +66,7 @@ fn person(number: u32, x: f64) -> Detection {
             facing: Belief::default(),
         },
         interactions: Vec::new(),
+        group: None,
         occlusion: Some(Occlusion::MostlyVisible),
         heading_rad: Some(box3d.heading_rad),
         box3d: Some(box3d),
@@ -153,10 +154,12 @@ fn what_is_written_is_read_back() {
         let difference = found.heading_rad.unwrap_or(0.0) - expected.heading_rad.unwrap_or(0.0);
         assert!(difference.abs() < 1e-5);
         let (heading_rad, box3d) = (expected.heading_rad, expected.box3d);
-        assert_eq!(&Detection { heading_rad, box3d, ..found.clone() }, expected);
+        assert_eq!(&Detection { heading_rad, box3d, group: None, ..found.clone() }, expected);
         assert_eq!(found.box3d.map(|b| (b.center, b.size)), box3d.map(|b| (b.center, b.size)));
     }
     assert_eq!(found.detections.len(), expected.detections.len());
+    let groups: Vec<_> = found.detections.iter().map(|detection| detection.group).collect();
+    assert_eq!(groups, [Some(1), Some(1), Some(3), None], "those who interact are a group");
 }
 
 #[test]
@@ -204,6 +207,16 @@ fn an_interaction_said_by_one_is_written_on_both() {
         found.detections[1].interactions,
         [with(1, "conversation"), with(1, "standing together")]
     );
+}
+
+#[test]
+fn a_known_group_keeps_its_number() {
+    let root = folder("group");
+    let mut labelled = labelled();
+    labelled.detections.detections[0].group = Some(40);
+    TreeWriter::new(&root).labels("cafe", &[labelled]).unwrap();
+    let found = Dataset::open(&root).unwrap().labels("cafe").unwrap();
+    assert_eq!(found.detections(&frame(3), geometry()).detections[0].group, Some(40));
 }
 
 #[test]

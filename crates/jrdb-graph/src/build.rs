@@ -1,8 +1,9 @@
 //! The stage: entities and relations in, a flat graph out.
 
-use jrdb_types::vocab::Occlusion;
+use jrdb_types::vocab::{Occlusion, PairWord};
 use jrdb_types::{
-    DistanceWord, Edge, EdgeRelation, Entities, Entity, Node, SceneGraph, SpatialRelation,
+    DistanceWord, Edge, EdgeRelation, Entities, Entity, Node, PairRelation, SceneGraph,
+    SpatialRelation,
 };
 use serde::{Deserialize, Serialize};
 
@@ -48,10 +49,13 @@ pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
         config.pairs == Pairs::All
             || relation.distance.is_some_and(|word| word <= DistanceWord::Close)
     };
-    let spatial = entities.relations.iter().filter(|pair| close(&pair.relation)).map(|pair| Edge {
-        from: pair.subject.clone(),
-        to: pair.object.clone(),
-        relation: EdgeRelation::Spatial(pair.relation),
+    let pairs = entities.relations.iter().filter(|pair| close(&pair.relation));
+    let spatial = pairs.flat_map(|pair| {
+        let edge =
+            |relation| Edge { from: pair.subject.clone(), to: pair.object.clone(), relation };
+        let words =
+            pair.words.iter().map(|&word| EdgeRelation::Pair { word, value: value(pair, word) });
+        std::iter::once(EdgeRelation::Spatial(pair.relation)).chain(words).map(edge)
     });
     let interactions = entities.entities.iter().flat_map(|entity| {
         entity.interactions.iter().map(|interaction| Edge {
@@ -61,10 +65,21 @@ pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
         })
     });
     let mut edges: Vec<Edge> = spatial.chain(interactions).collect();
-    // Stable: of one pair, the spatial edge stays before the interactions.
+    // Stable: of one pair, the spatial edge stays first and the interactions last.
     edges.sort_by(|a, b| (&a.from, &a.to).cmp(&(&b.from, &b.to)));
     let (frame, issues) = (entities.frame.clone(), entities.issues.clone());
-    SceneGraph { frame, lateral: entities.lateral, nodes, edges, issues }
+    let between = entities.between.clone();
+    SceneGraph { frame, lateral: entities.lateral, nodes, edges, between, issues }
+}
+
+/// The number behind a word of a pair.
+fn value(pair: &PairRelation, word: PairWord) -> Option<f64> {
+    match word {
+        PairWord::Adjacent => pair.gap_m,
+        PairWord::Overlapping => pair.overlap,
+        PairWord::Hides => pair.hides.map(|hides| hides.image_fraction),
+        _ => None,
+    }
 }
 
 fn is_hidden(entity: &Entity) -> bool {
@@ -80,6 +95,9 @@ fn node(entity: &Entity) -> Node {
         attributes: entity.attributes.clone(),
         center: entity.position.map(|position| position.center),
         heading_rad: entity.heading.map(|heading| heading.angle_rad),
+        height_m: entity.box3d.map(|box3d| box3d.size[2]),
+        velocity_mps: entity.velocity_mps,
+        group: entity.group,
         from_robot: entity.from_robot,
     }
 }
@@ -88,7 +106,7 @@ fn node(entity: &Entity) -> Node {
 mod tests {
     use super::*;
     use jrdb_types::detection::Interaction;
-    use jrdb_types::{EntityId, FrameId, LateralConvention, PairRelation, PixelBox};
+    use jrdb_types::{EntityId, FrameId, LateralConvention, PixelBox};
 
     fn person(number: u32, occlusion: Option<Occlusion>) -> Entity {
         Entity {
@@ -101,6 +119,7 @@ mod tests {
             occlusion,
             position: None,
             box3d: None,
+            group: None,
             heading: None,
             velocity_mps: None,
             floor: None,
@@ -133,6 +152,7 @@ mod tests {
     fn edges(graph: &SceneGraph) -> Vec<(u32, u32, &'static str)> {
         let kind = |relation: &EdgeRelation| match relation {
             EdgeRelation::Spatial(_) => "spatial",
+            EdgeRelation::Pair { word, .. } => word.word(),
             EdgeRelation::Interaction { .. } => "interaction",
         };
         graph.edges.iter().map(|e| (e.from.number, e.to.number, kind(&e.relation))).collect()
@@ -151,6 +171,18 @@ mod tests {
         scene.relations[0].relation.distance = None;
         let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::Keep };
         assert_eq!(edges(&build(&scene, &config)), [(2, 1, "interaction")]);
+    }
+
+    #[test]
+    fn words_of_a_pair_are_edges_with_their_number_between_spatial_and_interaction() {
+        let mut scene = scene();
+        scene.relations[0].words = vec![PairWord::Adjacent, PairWord::Facing];
+        scene.relations[0].gap_m = Some(0.25);
+        let graph = build(&scene, &GraphConfig::default());
+        let kinds = ["spatial", "next to", "facing", "interaction"];
+        assert_eq!(edges(&graph)[1..], kinds.map(|kind| (2, 1, kind)));
+        let next_to = EdgeRelation::Pair { word: PairWord::Adjacent, value: Some(0.25) };
+        assert_eq!(graph.edges[2].relation, next_to);
     }
 
     #[test]

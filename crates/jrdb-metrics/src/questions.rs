@@ -54,15 +54,15 @@ pub struct Outcome<'a> {
 ///
 /// ```
 /// use jrdb_metrics::{MetricsConfig, Outcome, evaluate};
-/// # use jrdb_types::{answer::Ranked, vocab::MatchPolicy, *};
+/// # use jrdb_types::{answer::{Ranked, Reply}, vocab::MatchPolicy, *};
 /// # let id = EntityId::new("pedestrian", 3);
 /// # let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
 /// # let frame = FrameId { sequence: "cafe".into(), frame: 0 };
 /// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], count: None };
-/// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), truth: Some(truth) };
+/// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), slots: vec![], truth: Some(truth) };
 /// # let answer = Answer { frame, question: "Find all men".into(), task: Task::Find, policy: MatchPolicy::Ranked,
-/// #     lateral: LateralConvention::Physical, selection: vec![id.clone()], count: None,
-/// #     ranking: vec![Ranked { id, bbox, probability: 0.9 }], trace: vec![], issues: vec![] };
+/// #     lateral: LateralConvention::Physical, selection: vec![id.clone()], reply: Reply::Things,
+/// #     ranking: vec![Ranked { id, bbox, probability: 0.9 }], trace: vec![], slots: vec![], sensitivity: vec![], issues: vec![] };
 /// let scores = evaluate(&[Outcome { question: &question, answer: &answer }], &MetricsConfig::default());
 /// assert_eq!(scores.overall.exact, 1);
 /// assert_eq!(scores.categories["gender"].miou_gt, 1.0);
@@ -101,7 +101,7 @@ impl<'a> Scored<'a> {
             category: question.category.clone(),
             exact: exact(truth, answer),
             true_positives: matches.count,
-            false_positives: answer.selection.len() - matches.count,
+            false_positives: selected(answer) - matches.count,
             false_negatives: truth.boxes.len() - matches.count,
             matched_iou: matches.iou_sum,
         };
@@ -109,15 +109,34 @@ impl<'a> Scored<'a> {
     }
 }
 
+/// The boxes of the selection; of a recording, those of the first slot, once for each frame, as the benchmark has it.
 fn selected_boxes(answer: &Answer) -> Vec<PixelBox> {
+    if let Some(slot) = answer.slots.first() {
+        return slot.seen.iter().map(|seen| seen.bbox).collect();
+    }
     let boxes: BTreeMap<&EntityId, PixelBox> =
         answer.ranking.iter().map(|ranked| (&ranked.id, ranked.bbox)).collect();
     answer.selection.iter().filter_map(|id| boxes.get(id).copied()).collect()
 }
 
+/// How many things the answer says there are, with or without a box.
+fn selected(answer: &Answer) -> usize {
+    answer.slots.first().map_or(answer.selection.len(), |slot| slot.seen.len())
+}
+
+/// Boxes with the probability of what they show.
+fn ranked_boxes(answer: &Answer) -> Vec<(PixelBox, f64)> {
+    let Some(slot) = answer.slots.first() else {
+        return answer.ranking.iter().map(|ranked| (ranked.bbox, ranked.probability)).collect();
+    };
+    let by_id: BTreeMap<&EntityId, f64> =
+        answer.ranking.iter().map(|ranked| (&ranked.id, ranked.probability)).collect();
+    slot.seen.iter().map(|seen| (seen.bbox, by_id.get(&seen.id).copied().unwrap_or(1.0))).collect()
+}
+
 fn exact(truth: &Truth, answer: &Answer) -> Option<bool> {
     if truth.count.is_some() {
-        return Some(answer.count == truth.count);
+        return Some(answer.number() == truth.count);
     }
     let boxes_only = truth.ids.is_empty() && !truth.boxes.is_empty();
     let set = |ids: &'_ [EntityId]| ids.iter().cloned().collect::<BTreeSet<_>>();
@@ -158,11 +177,12 @@ fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f6
     for (image, one) in (0..).zip(scored) {
         let truth = one.truth.boxes.iter();
         dataset.truth.extend(truth.map(|&bbox| GroundTruthBox::new(image, ONE_CLASS, bbox)));
-        dataset.detections.extend(one.answer.ranking.iter().map(|ranked| DetectionBox {
+        let ranked = ranked_boxes(one.answer).into_iter();
+        dataset.detections.extend(ranked.map(|(bbox, score)| DetectionBox {
             image,
             category: ONE_CLASS,
-            bbox: ranked.bbox,
-            score: ranked.probability,
+            bbox,
+            score,
         }));
     }
     let config =
@@ -174,7 +194,7 @@ fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jrdb_types::answer::Ranked;
+    use jrdb_types::answer::{Ranked, Reply, Seen, SlotAnswer};
     use jrdb_types::vocab::MatchPolicy;
     use jrdb_types::{FrameId, LateralConvention, Task};
     use proptest::prelude::*;
@@ -194,6 +214,7 @@ mod tests {
             text: "Find them".into(),
             category: category.into(),
             frame: FrameId::default(),
+            slots: vec![],
             truth: Some(Truth { ids, boxes, count: None }),
         }
     }
@@ -210,19 +231,35 @@ mod tests {
             policy: MatchPolicy::Ranked,
             lateral: LateralConvention::Physical,
             selection: selected.iter().map(|&n| id(n)).collect(),
-            count: None,
+            reply: Reply::Things,
             ranking: selected
                 .iter()
                 .map(ranked(0.9))
                 .chain(others.iter().map(ranked(0.1)))
                 .collect(),
             trace: vec![],
+            slots: vec![],
+            sensitivity: vec![],
             issues: vec![],
         }
     }
 
     fn score(question: &Question, answer: &Answer) -> Scores {
         evaluate(&[Outcome { question, answer }], &MetricsConfig::default())
+    }
+
+    #[test]
+    fn of_a_recording_the_boxes_of_the_first_slot_count() {
+        let question = question("video", &[1, 1]);
+        let mut answer = answer(&[1], &[]);
+        let seen = |frame| Seen { id: id(1), frame, bbox: at(100.0) };
+        answer.slots = vec![SlotAnswer { seen: vec![seen(0), seen(1)] }, SlotAnswer::default()];
+        let scores = evaluate(
+            &[Outcome { question: &question, answer: &answer }],
+            &MetricsConfig::default(),
+        );
+        assert_eq!((scores.questions[0].true_positives, scores.overall.ap50), (2, 1.0));
+        assert_eq!(scores.questions[0].exact, Some(true));
     }
 
     #[test]
@@ -266,11 +303,11 @@ mod tests {
         let mut q = question("count", &[1, 2]);
         q.truth.as_mut().unwrap().count = Some(2);
         let mut a = answer(&[1, 7], &[]);
-        a.count = Some(2);
+        a.reply = Reply::Number(2);
         let s = score(&q, &a);
         assert_eq!(s.questions[0].exact, Some(true));
         assert_eq!((s.questions[0].true_positives, s.questions[0].false_positives), (1, 1));
-        a.count = None;
+        a.reply = Reply::Things;
         assert_eq!(score(&q, &a).questions[0].exact, Some(false));
     }
 

@@ -1,11 +1,127 @@
 #![doc = include_str!("../README.md")]
 
-mod cursor;
-mod grammar;
+mod clause;
+mod coordination;
+mod deed;
+mod explain;
+mod joined;
 mod lexicon;
+pub mod notation;
+mod noun;
+mod number;
+mod order;
+mod parser;
+mod place;
+mod predicate;
+mod question;
+mod spot;
 mod suggest;
-#[cfg(test)]
-mod tests;
-mod token;
+mod time;
+mod wh;
+mod words;
 
-pub use grammar::parse;
+use jrdb_types::{Pattern, Query, Task};
+use serde::{Deserialize, Serialize};
+
+pub use explain::explain;
+use parser::Parser;
+
+/// How the parser reads what English leaves open.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ParserConfig {
+    /// From where "left of the man" is told.
+    pub viewpoint: OfPerson,
+}
+
+/// Whose left "left of the man" is. A table has no left of its own: there it is always the robot's.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OfPerson {
+    /// The man's own left; an issue says so. The default, for the benchmark tells directions between people in their own
+    /// frames.
+    #[default]
+    Own,
+    /// The left of the two as the robot sees them.
+    Robot,
+}
+
+/// Reads an English question, as [`parse_with`] does with the default configuration.
+///
+/// ```
+/// use jrdb_parser::{notation, parse};
+/// let query = parse("How many young women are within 3 metres of me?");
+/// assert_eq!(notation::write(&query), "count person[young, female, metres ..3]");
+/// assert!(query.issues.is_empty());
+/// ```
+#[must_use]
+pub fn parse(text: &str) -> Query {
+    parse_with(text, &ParserConfig::default())
+}
+
+/// Reads an English question.
+///
+/// Never fails and never drops a word in silence: words that are not understood are issues with their bytes and, where
+/// one is near, the word that was probably meant. A word that is one edit from one known word is read as that, and
+/// reported.
+///
+/// ```
+/// use jrdb_parser::{OfPerson, ParserConfig, notation, parse_with};
+/// let config = ParserConfig { viewpoint: OfPerson::Robot };
+/// let query = parse_with("the boy left of the woman", &config);
+/// assert_eq!(notation::write(&query), "find person[child, male, seen direction=left: person[female]]");
+/// ```
+#[must_use]
+pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
+    Parser::new(text, config).question()
+}
+
+/// Whether anything of the text was understood: some word of it says what is asked or of what. Not so for an empty text,
+/// another language, or words that are all unknown.
+///
+/// ```
+/// use jrdb_parser::{parse, understood};
+/// assert!(understood(&parse("the man with the zebra")));
+/// assert!(!understood(&parse("où est la gare")));
+/// ```
+#[must_use]
+pub fn understood(query: &Query) -> bool {
+    let asks = query.task != Task::Find || query.target != Pattern::default();
+    asks || parser::has_known_word(&query.text)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str, config: &ParserConfig) -> (String, usize) {
+        let query = parse_with(text, config);
+        (notation::write(&query), query.issues.len())
+    }
+
+    #[test]
+    fn whose_left_is_a_choice_for_people_and_none_for_tables() {
+        let robot: ParserConfig = serde_json::from_str(r#"{"viewpoint": "robot"}"#).unwrap();
+        let own = ParserConfig::default();
+        let man = "who is left of the man?";
+        assert_eq!(read(man, &own), ("find person[at direction=left: person[male]]".into(), 1));
+        assert_eq!(read(man, &robot), ("find person[seen direction=left: person[male]]".into(), 0));
+        let table = "who is left of the table?";
+        assert_eq!(read(table, &own), read(table, &robot));
+        let told = "who is on the man's left?";
+        assert_eq!(read(told, &own), read(told, &robot));
+    }
+
+    #[test]
+    fn unknown_fields_of_the_configuration_are_refused() {
+        assert!(serde_json::from_str::<ParserConfig>(r#"{"viewpiont": "robot"}"#).is_err());
+        assert_eq!(serde_json::from_str::<ParserConfig>("{}").unwrap(), ParserConfig::default());
+    }
+
+    #[test]
+    fn clauses_too_deep_are_reported_and_the_rest_is_read() {
+        let query = parse(&"behind a man who is ".repeat(40));
+        assert!(!query.issues.is_empty());
+        assert_eq!(notation::write(&query).matches("direction=back").count(), 40);
+    }
+}

@@ -2,43 +2,76 @@
 
 use crate::lexicon::LEXICON;
 
-/// The nearest known word within two edits (one, for words of up to four letters); the first in
-/// alphabetical order on a tie.
-pub(crate) fn suggest(word: &str) -> Option<&'static str> {
-    let letters = word.chars().count();
-    let allowed = if letters <= 4 { 1 } else { 2 };
-    // Longer words are no typos of ours, and comparing them would take quadratic time.
-    if letters > 24 {
+/// Known words near an unknown one.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Suggestion {
+    /// One edit away, as no other word of another meaning is.
+    Only(&'static str),
+    /// The nearest, or the first of the nearest; not sure enough to be used.
+    Perhaps(&'static str),
+}
+
+/// Letters of the longest word that is looked at; longer ones are no typos of ours.
+const LETTERS_MAX: usize = 24;
+
+/// Letters of the shortest word that is looked at: shorter ones are near to too many.
+const LETTERS_MIN: usize = 4;
+
+/// The known words nearest to a word, at most two edits away (one, for words of up to five letters).
+pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
+    let word: Vec<u8> =
+        word.bytes().take(LETTERS_MAX + 1).map(|b| b.to_ascii_lowercase()).collect();
+    if !(LETTERS_MIN..=LETTERS_MAX).contains(&word.len()) {
         return None;
     }
-    LEXICON
-        .words()
-        .map(|known| (edits(word, known), known))
-        .filter(|(edits, _)| *edits <= allowed)
-        .min()
-        .map(|(_, known)| known)
+    let allowed = if word.len() <= 5 { 1 } else { 2 };
+    let mut nearest: Option<(usize, &'static str)> = None;
+    let mut ties = 0;
+    for known in LEXICON.words() {
+        if known.len().abs_diff(word.len()) > allowed || known.len() < LETTERS_MIN - 1 {
+            continue;
+        }
+        let edits = edits(&word, known.as_bytes());
+        match nearest {
+            Some((least, first)) if least == edits => {
+                ties += usize::from(!LEXICON.is_same(first, known));
+                nearest = Some((least, first.min(known)));
+            }
+            Some((least, _)) if least < edits => {}
+            _ if edits <= allowed => (nearest, ties) = (Some((edits, *known)), 0),
+            _ => {}
+        }
+    }
+    nearest.map(|(edits, known)| match (edits, ties) {
+        (1, 0) => Suggestion::Only(known),
+        _ => Suggestion::Perhaps(known),
+    })
 }
 
 /// Insertions, deletions, replacements and swaps of neighbours that turn one word into the other
-/// (optimal string alignment).
-fn edits(a: &str, b: &str) -> usize {
-    let (a, b): (Vec<char>, Vec<char>) = (a.chars().collect(), b.chars().collect());
-    let mut rows = vec![vec![0; b.len() + 1]; a.len() + 1];
-    for (i, row) in rows.iter_mut().enumerate() {
-        row[0] = i;
+/// (optimal string alignment); both at most [`LETTERS_MAX`] and two bytes long.
+fn edits(a: &[u8], b: &[u8]) -> usize {
+    let mut rows = [[0_usize; LETTERS_MAX + 3]; 3];
+    for (j, cell) in rows[0].iter_mut().enumerate() {
+        *cell = j;
     }
-    rows[0] = (0..=b.len()).collect();
     for i in 1..=a.len() {
+        let [before, above, row] = match i % 3 {
+            0 => [1, 2, 0],
+            1 => [2, 0, 1],
+            _ => [0, 1, 2],
+        };
+        rows[row][0] = i;
         for j in 1..=b.len() {
-            let replace = rows[i - 1][j - 1] + usize::from(a[i - 1] != b[j - 1]);
-            let mut best = replace.min(rows[i - 1][j] + 1).min(rows[i][j - 1] + 1);
+            let replace = rows[above][j - 1] + usize::from(a[i - 1] != b[j - 1]);
+            let mut best = replace.min(rows[above][j] + 1).min(rows[row][j - 1] + 1);
             if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                best = best.min(rows[i - 2][j - 2] + 1);
+                best = best.min(rows[before][j - 2] + 1);
             }
-            rows[i][j] = best;
+            rows[row][j] = best;
         }
     }
-    rows[a.len()][b.len()]
+    rows[a.len() % 3][b.len()]
 }
 
 #[cfg(test)]
@@ -46,10 +79,25 @@ mod tests {
     use super::*;
 
     #[test]
-    fn near_misses_are_found_and_strangers_are_not() {
-        assert_eq!(suggest("femlae"), Some("female"));
-        assert_eq!(suggest("standng"), Some("standing"));
+    fn a_single_nearest_word_at_one_edit_is_sure() {
+        assert_eq!(suggest("femlae"), Some(Suggestion::Only("female")));
+        assert_eq!(suggest("Standng"), Some(Suggestion::Only("standing")));
+    }
+
+    #[test]
+    fn two_edits_are_a_guess_and_strangers_are_none() {
+        assert_eq!(suggest("standding1"), Some(Suggestion::Perhaps("standing")));
         assert_eq!(suggest("zebra"), None);
+        assert_eq!(suggest("mna"), None);
         assert_eq!(suggest(&"x".repeat(10_000)), None);
+    }
+
+    #[test]
+    fn edits_are_counted() {
+        let cases =
+            [("abc", "abc", 0), ("abc", "acb", 1), ("abc", "", 3), ("kitten", "sitting", 3)];
+        for (a, b, count) in cases {
+            assert_eq!(edits(a.as_bytes(), b.as_bytes()), count, "{a} {b}");
+        }
     }
 }

@@ -190,6 +190,7 @@ fn numbered(mut people: Vec<ScoredBox>) -> Vec<Detection> {
         bbox: person.bbox,
         attributes: Attributes::default(),
         interactions: Vec::new(),
+        group: None,
         occlusion: None,
         heading_rad: None,
         box3d: None,

@@ -339,6 +339,7 @@ fn people(table: &str, rig: &Rig) -> Result<(Detections, Vec<usize>)> {
             bbox: PixelBox::from([number(1)?, number(2)?, number(3)?, number(4)?]),
             attributes: Default::default(),
             interactions: Vec::new(),
+            group: None,
             occlusion: None,
             heading_rad: None,
             box3d: None,

@@ -52,6 +52,9 @@ pub enum Error {
         /// Why.
         source: jrdb_types::ArtefactError,
     },
+    /// A question of which nothing is understood, or notation that does not fit together.
+    #[error("{0}")]
+    Query(String),
     /// A flag or a combination of flags makes no sense.
     #[error("{0}")]
     Usage(String),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use jrdb_calibration::FloorConfig;
 use jrdb_graph::GraphConfig;
 use jrdb_metrics::MetricsConfig;
+use jrdb_parser::ParserConfig;
 use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors};
 use jrdb_search::SearchConfig;
 use jrdb_types::{
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Error;
 use crate::motion::Motions;
+use crate::query::{read_or_report, speaks_of_time};
 use crate::source::Robot;
 
 /// Configuration of every stage behind perception.
@@ -26,8 +28,12 @@ pub struct PipelineConfig {
     pub projection: ProjectionConfig,
     /// Entities to a graph.
     pub graph: GraphConfig,
+    /// English to a query.
+    pub parser: ParserConfig,
     /// Graph and query to an answer.
     pub search: SearchConfig,
+    /// Whether the smallest changes that change an answer are looked for; that takes many searches.
+    pub sensitivity: bool,
     /// Answers to scores.
     pub metrics: MetricsConfig,
 }
@@ -118,11 +124,21 @@ pub fn process(
     let sweeps = (input.clouds.as_slice(), input.cloud_issues.as_slice());
     let entities = place(&input.detections, sweeps, (&input.robot, &input.motions), config)?;
     let graph = jrdb_graph::build(&entities, &config.graph);
-    let ask = |question: &Question| {
-        let query = jrdb_parser::parse(&question.text);
-        let answer = jrdb_search::search(&graph, &query, &config.search);
-        Asked { question: question.clone(), query, answer }
-    };
-    let asked = questions.iter().map(ask).collect();
+    let asked = ask(&graph, questions, config);
     Ok(FrameOutput { detections: input.detections.clone(), entities, graph, asked })
+}
+
+/// Answers every question that one frame can answer; those that speak of time are left to [`crate::recording`].
+fn ask(graph: &SceneGraph, questions: &[Question], config: &PipelineConfig) -> Vec<Asked> {
+    let read = questions.iter().map(|q| (q, read_or_report(&q.text, &config.parser)));
+    let of_now = read.filter(|(question, query)| !speaks_of_time(question, query));
+    of_now
+        .map(|(question, query)| {
+            let mut answer = jrdb_search::search(graph, &query, &config.search);
+            if config.sensitivity {
+                answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config.search);
+            }
+            Asked { question: question.clone(), query, answer }
+        })
+        .collect()
 }

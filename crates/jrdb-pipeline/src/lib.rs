@@ -7,6 +7,8 @@ pub mod frame;
 pub mod motion;
 pub mod output;
 pub mod perceive;
+pub mod query;
+mod recording;
 pub mod report;
 pub mod run;
 pub mod source;
@@ -16,4 +18,5 @@ mod error;
 
 pub use error::{Error, with_causes};
 pub use frame::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
+pub use query::read_query;
 pub use run::{RunOptions, RunResult, run};

@@ -103,7 +103,8 @@ impl Writer {
         asked: &Asked,
     ) -> Result<(), Error> {
         if self.with_artifacts {
-            write_artefact(&folder.join("query.json"), json!({}), &asked.query)?;
+            let config = json!(self.config.parser);
+            write_artefact(&folder.join("query.json"), config, &asked.query)?;
         }
         write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
         self.pictures(folder, input, output, Some(asked))
@@ -121,6 +122,15 @@ impl Writer {
         let png = |image: &Image| jrdb_dataset::encode_png(image, PngCompression::Quick);
         write(&folder.join("panorama.png"), &png(&panorama))?;
         write(&folder.join("top_view.png"), &png(&top_view))
+    }
+
+    /// Writes the answer to a question about a recording: `recording_01.json` and so on.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn recording(&self, index: usize, asked: &Asked) -> Result<(), Error> {
+        let path = self.root.join(format!("recording_{:02}.json", index + 1));
+        write_artefact(&path, json!(self.config.search), &asked.answer)
     }
 
     /// Writes `scores.json`.

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use jrdb_types::answer::{CandidateTrace, Check};
+use jrdb_types::answer::{CandidateTrace, Change, Check, Effect, Reply, Told, Unit};
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Artefact, EntityId, Issue, Scores, Span, Task};
+use jrdb_types::{Answer, Artefact, EntityId, Issue, Query, Scores, Span, Task};
 use serde_json::{Value, json};
 
 use crate::frame::{Asked, FrameOutput};
@@ -14,9 +14,28 @@ use crate::{PipelineConfig, with_causes};
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;
 
+/// How much of an answer is told.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Detail {
+    /// Who was chosen, and why, in a line each.
+    #[default]
+    Brief,
+    /// Every condition with its number and margin, and the nearest misses.
+    Full,
+}
+
+/// What is told of answers.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Telling {
+    /// How much of each.
+    pub detail: Detail,
+    /// Of which thing it is said why it is not in the answer.
+    pub why_not: Option<EntityId>,
+}
+
 /// The result as text: per frame what was found, per question the answer, the truth and why.
 #[must_use]
-pub fn text(result: &RunResult) -> String {
+pub fn text(result: &RunResult, telling: &Telling) -> String {
     let mut text = String::new();
     for note in &result.notes {
         line(&mut text, note);
@@ -24,11 +43,21 @@ pub fn text(result: &RunResult) -> String {
     let mut scores = result.scores.iter().flat_map(|scores| &scores.questions);
     for frame in &result.frames {
         match &frame.output {
-            Ok(output) => frame_text(&mut text, output, &mut scores),
+            Ok(output) => frame_text(&mut text, output, telling, &mut scores),
             Err(error) => {
                 line(&mut text, &format!("{}\n  failed: {}\n", frame.id, with_causes(error)));
             }
         }
+    }
+    for asked in &result.recordings {
+        line(&mut text, &format!("{}, all frames", asked.answer.frame.sequence));
+        asked_text(&mut text, asked, telling);
+        if asked.question.truth.is_some()
+            && let Some(score) = scores.next()
+        {
+            truth_text(&mut text, asked, score);
+        }
+        text.push('\n');
     }
     if result.unasked > 0 {
         line(&mut text, &format!("{} questions are about frames outside this run", result.unasked));
@@ -46,6 +75,7 @@ pub fn json(result: &RunResult, config: &PipelineConfig) -> String {
     let outputs = result.frames.iter().filter_map(|frame| frame.output.as_ref().ok());
     let answers = outputs
         .flat_map(|output| &output.asked)
+        .chain(&result.recordings)
         .map(|asked| json!(Artefact::new(json!(config.search), asked.answer.clone())));
     let failures = result.frames.iter().filter_map(|frame| {
         let error = frame.output.as_ref().err()?;
@@ -70,6 +100,7 @@ fn line(text: &mut String, words: &str) {
 fn frame_text<'a>(
     text: &mut String,
     output: &FrameOutput,
+    telling: &Telling,
     scores: &mut impl Iterator<Item = &'a jrdb_types::score::QuestionScore>,
 ) {
     let people = output.graph.nodes.iter().filter(|node| node.category == PERSON).count();
@@ -84,7 +115,7 @@ fn frame_text<'a>(
         line(text, &format!("  {note}"));
     }
     for asked in &output.asked {
-        asked_text(text, asked);
+        asked_text(text, asked, telling);
         if asked.question.truth.is_some()
             && let Some(score) = scores.next()
         {
@@ -94,14 +125,28 @@ fn frame_text<'a>(
     text.push('\n');
 }
 
-fn asked_text(text: &mut String, asked: &Asked) {
+fn asked_text(text: &mut String, asked: &Asked, telling: &Telling) {
     line(text, &format!("\n  {}", asked.question.text));
     for issue in &asked.answer.issues {
         line(text, &indent(&query_issue_text(&asked.query.text, issue), "  "));
     }
-    let count = asked.answer.count.map(|count| format!("{count}: ")).unwrap_or_default();
-    line(text, &format!("    answer  {count}{}", ids(&asked.answer.selection)));
-    let selected: Vec<_> = asked.answer.trace.iter().filter(|trace| trace.selected).collect();
+    match telling.detail {
+        Detail::Brief => brief(text, &asked.answer),
+        Detail::Full => {
+            line(text, &indent(&jrdb_search::explain(&asked.answer, EXPLAINED_MAX), "    "));
+        }
+    }
+    if let Some(id) = &telling.why_not {
+        line(text, &indent(&why_not_text(&asked.answer, id), "    "));
+    }
+    for change in &asked.answer.sensitivity {
+        line(text, &format!("    {}", change_text(change)));
+    }
+}
+
+fn brief(text: &mut String, answer: &Answer) {
+    line(text, &format!("    answer  {}", reply(answer)));
+    let selected: Vec<_> = answer.trace.iter().filter(|trace| trace.selected).collect();
     for trace in selected.iter().take(EXPLAINED_MAX).filter(|trace| !trace.checks.is_empty()) {
         line(text, &format!("            {}", why(trace)));
     }
@@ -110,12 +155,54 @@ fn asked_text(text: &mut String, asked: &Asked) {
     }
 }
 
+/// Why a thing is not in an answer.
+fn why_not_text(answer: &Answer, id: &EntityId) -> String {
+    format!("why not {}? {}", id.short(), jrdb_search::why_not(answer, id))
+}
+
+/// `would leave: #2, close distance from the robot, at 1.50 m instead of 1.32 m (1.3 standard deviations)`.
+fn change_text(change: &Change) -> String {
+    let effect = match change.effect {
+        Effect::Enters => "would enter",
+        Effect::Leaves => "would leave",
+    };
+    let unit = match change.measured.unit {
+        Unit::Metres => " m",
+        Unit::Degrees => "°",
+        Unit::MetresPerSecond => " m/s",
+        Unit::Probability | Unit::Count | Unit::AgeGroup => "",
+    };
+    let of = change.witness.as_ref().map(|id| format!(" of {}", id.short())).unwrap_or_default();
+    let deviations =
+        change.deviations.map(|n| format!(" ({n:.1} standard deviations)")).unwrap_or_default();
+    format!(
+        "{effect}: {}, {}{of}, at {:.2}{unit} instead of {:.2}{unit}{deviations}",
+        change.id.short(),
+        change.condition,
+        change.to,
+        change.measured.value
+    )
+}
+
+/// An answer with its reasons: who was chosen and why, or why one thing was not.
+#[must_use]
+pub fn answer(query: &Query, answer: &Answer, why_not: Option<&EntityId>) -> String {
+    let issues = answer.issues.iter().map(|issue| query_issue_text(&query.text, issue));
+    let mut lines: Vec<String> = issues.collect();
+    lines.push(match why_not {
+        None => jrdb_search::explain(answer, EXPLAINED_MAX),
+        Some(id) => why_not_text(answer, id),
+    });
+    lines.extend(answer.sensitivity.iter().map(change_text));
+    lines.join("\n")
+}
+
 fn truth_text(text: &mut String, asked: &Asked, score: &jrdb_types::score::QuestionScore) {
     let Some(truth) = &asked.question.truth else { return };
     let wanted = match asked.answer.task {
         Task::Count => truth.count.map_or_else(|| ids(&truth.ids), |count| count.to_string()),
-        Task::Find if truth.ids.is_empty() => format!("{} boxes", truth.boxes.len()),
-        Task::Find => ids(&truth.ids),
+        _ if truth.ids.is_empty() => format!("{} boxes", truth.boxes.len()),
+        _ => ids(&truth.ids),
     };
     let verdict = match score.exact {
         Some(true) => "exact, ",
@@ -128,37 +215,59 @@ fn truth_text(text: &mut String, asked: &Asked, score: &jrdb_types::score::Quest
 }
 
 /// A candidate's conditions in one line.
-#[must_use]
-pub fn why(trace: &CandidateTrace) -> String {
+fn why(trace: &CandidateTrace) -> String {
     let checks: Vec<String> = trace.checks.iter().map(check_text).collect();
-    format!("{}: {}", short(&trace.id), checks.join("; "))
+    format!("{}: {}", trace.id.short(), checks.join("; "))
 }
 
-/// `moderate distance from the robot (moderate, 1.65 m)`, `NOT age young (child)`,
+/// `close distance from the robot (close, 1.05 m)`, `NOT age young (child)`,
 /// `has a person to its left (#3: close, 1.21 m; left, +88°)`.
 fn check_text(check: &Check) -> String {
     let mark = if check.holds { "" } else { "NOT " };
     let found = check.found.as_deref().unwrap_or("unknown");
-    let inner: Vec<String> = check.witness_checks.iter().map(check_text).collect();
-    let inner = if inner.is_empty() { String::new() } else { format!("; {}", inner.join("; ")) };
-    match &check.witness {
-        None if check.holds && check.asked.ends_with(found) => check.asked.clone(),
-        None => format!("{mark}{} ({found})", check.asked),
-        Some(witness) => format!("{mark}{} ({}: {found}{inner})", check.asked, short(witness)),
+    // Each of the relations with the partner is in what was found; left are the partner's own conditions.
+    let is_new = |part: &&Check| {
+        part.found != check.found
+            && (part.witnesses.is_empty() || part.witnesses != check.witnesses)
+    };
+    let parts = check.parts.iter().filter(is_new).map(check_text);
+    let inner: Vec<String> = std::iter::once(found.to_owned()).chain(parts).collect();
+    let inner = inner.join("; ");
+    if check.witnesses.is_empty() {
+        let says_itself = check.holds && check.parts.is_empty() && check.asked.ends_with(found);
+        return if says_itself {
+            check.asked.clone()
+        } else {
+            format!("{mark}{} ({inner})", check.asked)
+        };
     }
+    format!("{mark}{} ({}: {inner})", check.asked, ids(&check.witnesses))
 }
 
-/// An id as people read it: `#12`, or `table:1` for what is not a person.
-#[must_use]
-pub fn short(id: &EntityId) -> String {
-    match id.class.as_str() {
-        "pedestrian" | "person" => format!("#{}", id.number),
-        _ => id.to_string(),
+/// The reply, and who is meant.
+fn reply(answer: &Answer) -> String {
+    match &answer.reply {
+        Reply::Things => ids(&answer.selection),
+        Reply::Number(number) => format!("{number}: {}", ids(&answer.selection)),
+        Reply::YesNo(true) => format!("yes: {}", ids(&answer.selection)),
+        Reply::YesNo(false) => "no".into(),
+        Reply::Told(told) => {
+            let words = |told: &Told| {
+                if told.words.is_empty() { "unknown".into() } else { told.words.join("; ") }
+            };
+            let told: Vec<String> =
+                told.iter().map(|told| format!("{} {}", told.id.short(), words(told))).collect();
+            if told.is_empty() { "nobody".into() } else { told.join("\n            ") }
+        }
     }
 }
 
 fn ids(ids: &[EntityId]) -> String {
-    if ids.is_empty() { "none".into() } else { ids.iter().map(short).collect::<Vec<_>>().join(" ") }
+    if ids.is_empty() {
+        "none".into()
+    } else {
+        ids.iter().map(EntityId::short).collect::<Vec<_>>().join(" ")
+    }
 }
 
 /// Issues as lines: one message told once, with all the things it is about, in the order of the first.
@@ -170,7 +279,7 @@ pub fn notes<'a>(issues: impl IntoIterator<Item = &'a Issue>) -> Vec<String> {
             told.push((&issue.message, Vec::new()));
             told.len() - 1
         });
-        told[at].1.extend(issue.subject.as_ref().map(short));
+        told[at].1.extend(issue.subject.as_ref().map(EntityId::short));
     }
     let line = |(message, subjects): &(&str, Vec<String>)| {
         let colon = if subjects.is_empty() { "" } else { ": " };

@@ -8,10 +8,11 @@ use jrdb_types::{FrameId, Question, Questions, Scores};
 use rayon::prelude::*;
 
 use crate::engine::EngineOptions;
-use crate::frame::place;
+use crate::frame::{Asked, place};
 use crate::motion::{self, Motions, Places};
 use crate::output::{Layout, Writer};
 use crate::perceive::{Perceiver, PerceptionSource};
+use crate::recording;
 use crate::source::{self, FrameSource, RobotOptions, Source};
 use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
 
@@ -60,6 +61,8 @@ pub struct FrameResult {
 pub struct RunResult {
     /// Every frame, in order.
     pub frames: Vec<FrameResult>,
+    /// Questions about time with their answers, one for each recording they were asked of.
+    pub recordings: Vec<Asked>,
     /// Scores, when any question had a known answer.
     pub scores: Option<Scores>,
     /// What the user should know: which engine ran.
@@ -96,12 +99,19 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
         each.collect::<Vec<_>>()
     };
     let frames = pool(options.threads)?.install(work);
-    let scores = score(&frames, &metrics_config(options, &frame_sources));
+    let recordings = recording::ask(&frames, &questions.per_frame, &options.config);
+    let scores = score(&frames, &recordings, &metrics_config(options, &frame_sources));
+    if let Some(writer) = &writer {
+        recordings
+            .iter()
+            .enumerate()
+            .try_for_each(|(index, asked)| writer.recording(index, asked))?;
+    }
     if let (Some(writer), Some(scores)) = (&writer, &scores) {
         writer.scores(scores)?;
     }
     let notes = perceiver.notes().to_vec();
-    Ok(RunResult { frames, scores, notes, unasked: questions.unasked })
+    Ok(RunResult { frames, recordings, scores, notes, unasked: questions.unasked })
 }
 
 fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
@@ -174,9 +184,10 @@ fn metrics_config(options: &RunOptions, frames: &[FrameSource]) -> MetricsConfig
     MetricsConfig { period_px, ..options.config.metrics.clone() }
 }
 
-fn score(frames: &[FrameResult], config: &MetricsConfig) -> Option<Scores> {
+fn score(frames: &[FrameResult], recordings: &[Asked], config: &MetricsConfig) -> Option<Scores> {
     let asked = frames.iter().filter_map(|frame| frame.output.as_ref().ok()).flat_map(|o| &o.asked);
     let outcomes: Vec<Outcome<'_>> = asked
+        .chain(recordings)
         .filter(|asked| asked.question.truth.is_some())
         .map(|asked| Outcome { question: &asked.question, answer: &asked.answer })
         .collect();

@@ -213,6 +213,7 @@ pub fn questions_for(frame: &FrameId, typed: &[String], listed: &Questions) -> V
         text: text.clone(),
         category: TYPED.into(),
         frame: frame.clone(),
+        slots: Vec::new(),
         truth: None,
     };
     let listed = listed.questions.iter().filter(|question| question.frame == *frame).cloned();

@@ -77,6 +77,53 @@ fn a_question_is_answered_with_its_reason() {
 }
 
 #[test]
+fn a_question_may_be_written_in_the_notation() {
+    let ran = Scene::new().ask("find person[female, direction=left]");
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    contains(&ran.out, &["answer  #2"]);
+    let ran = Scene::new().ask("find person[femal]");
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["find person[femal]", "^^^^^", "expected a condition, found \"femal\""]);
+}
+
+#[test]
+fn a_text_of_which_nothing_is_understood_is_bad_input() {
+    for text in ["", " \t\u{7}", "où est la gare", "人はどこですか", "qwe rty"] {
+        let ran = Scene::new().ask(text);
+        assert_eq!((ran.code, ran.out.as_str()), (2, ""), "{text:?}");
+        contains(&ran.err, &["expected a question about people or things", "understood nothing"]);
+        assert_eq!(jrdb(&["parse", text]).code, 2, "{text:?}");
+    }
+    let ran = Scene::new().ask("Find the female with the zebra");
+    assert_eq!(ran.code, 0);
+    contains(&ran.out, &["^^^^^", "zebra", "answer"]);
+}
+
+#[test]
+fn parse_shows_the_meaning_and_underlines_what_is_open() {
+    let ran = jrdb(&["parse", "the woman left of the man"]);
+    let meaning = "find person[female, at direction=left: person[male]]\n";
+    assert_eq!((ran.code, ran.out.as_str()), (0, meaning));
+    contains(&ran.err, &["own left"]);
+    let ran = jrdb(&["parse", "--explain", "the woman left of the man"]);
+    contains(&ran.out, &["the woman left of the man", "          ^^^^", meaning.trim()]);
+    let ran = jrdb(&["parse", "--viewpoint", "robot", "the woman left of the man"]);
+    let meaning = "find person[female, seen direction=left: person[male]]\n";
+    assert_eq!((ran.out.as_str(), ran.err.as_str()), (meaning, ""));
+}
+
+#[test]
+fn an_answer_says_why_not_and_what_would_change_it() {
+    let scene = Scene::new();
+    let question = ["run", "--scene", scene.root(), "--query", "Find the female on my left"];
+    let more = ["--frames", "0..1", "--why-not", "1", "--sensitivity", "--explain"];
+    let ran = jrdb(&[&question[..], &more].concat());
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    contains(&ran.out, &["✓ gender female", "why not #1? ", "gender female: male"]);
+    contains(&ran.out, &["would leave: #2, left of the robot, at "]);
+}
+
+#[test]
 fn json_is_all_that_is_on_standard_output() {
     let scene = Scene::new();
     let ran =

@@ -150,6 +150,7 @@ fn detections(people: &[Labelled], image: jrdb_types::ImageGeometry) -> Detectio
         bbox: person.bbox,
         attributes: Default::default(),
         interactions: Vec::new(),
+        group: None,
         occlusion: None,
         heading_rad: None,
         box3d: None,

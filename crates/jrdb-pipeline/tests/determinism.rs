@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use jrdb_pipeline::report::Telling;
 use jrdb_pipeline::source::Source;
 use jrdb_pipeline::{RunOptions, report, run};
 
@@ -40,7 +41,7 @@ fn outcome(threads: usize) -> (BTreeMap<PathBuf, Vec<u8>>, String) {
     let result = run(&options, &|| ()).unwrap();
     let mut found = BTreeMap::new();
     files(folder.path(), folder.path(), &mut found);
-    (found, report::text(&result) + &report::json(&result, &options.config))
+    (found, report::text(&result, &Telling::default()) + &report::json(&result, &options.config))
 }
 
 #[test]

@@ -1,29 +1,10 @@
-//! Conditions and findings in words, for the trace.
+//! What is asked, in words.
 
-use jrdb_types::query::{Category, RelationKind, Viewpoint};
-use jrdb_types::{Belief, Condition, DistanceWord, Pattern, Query, SpatialRelation, Task};
-
-/// A query in words: what is asked of which kind of thing, then one line per condition.
-///
-/// ```
-/// use jrdb_types::{Condition, Gender, Query};
-/// let mut query = Query::default();
-/// query.target.conditions.push(Condition::Gender(Gender::Male));
-/// assert_eq!(jrdb_search::describe(&query), "find a person with\n  gender male");
-/// ```
-#[must_use]
-pub fn describe(query: &Query) -> String {
-    let task = match query.task {
-        Task::Find => "find",
-        Task::Count => "count",
-    };
-    let kind =
-        pattern(&Pattern { category: query.target.category.clone(), conditions: Vec::new() });
-    let conditions =
-        query.target.conditions.iter().map(|condition| format!("\n  {}", asked(condition)));
-    let with = if query.target.conditions.is_empty() { "" } else { " with" };
-    format!("{task} {kind}{with}{}", conditions.collect::<String>())
-}
+use jrdb_types::query::{
+    Category, Compared, Interval, Measure, Order, Pick, Place, RelationKind, Viewpoint,
+};
+use jrdb_types::vocab::{PairWord, Sector};
+use jrdb_types::{Belief, Condition, Direction, Pattern, Quantity, Related};
 
 /// What a condition asks for.
 pub(crate) fn asked(condition: &Condition) -> String {
@@ -32,56 +13,278 @@ pub(crate) fn asked(condition: &Condition) -> String {
         Condition::Gender(value) => format!("gender {value}"),
         Condition::Race(value) => format!("race {value}"),
         Condition::Action(value) => format!("action {value}"),
-        Condition::RobotDistance(value) => format!("{value} distance from the robot"),
-        Condition::RobotDirection(value) => format!("{value} of the robot"),
-        Condition::Relation(relation) => {
-            asked_relation(&relation.kind, &pattern(&relation.partner))
-        }
+        Condition::FromRobot(place) => from_robot(place),
+        Condition::GroupSize(quantity) => group(*quantity),
+        Condition::Related(related) => relation(related),
+        Condition::Compared(compared) => comparison(compared),
+        Condition::Is(those) => format!("is {}", pattern(those)),
+        Condition::Not(inner) => format!("not {}", part(inner)),
+        Condition::Any(parts) => alternatives(parts).unwrap_or_else(|| listed(parts, " or ")),
+        Condition::All(parts) => listed(parts, " and "),
     }
 }
 
-fn asked_relation(kind: &RelationKind, partner: &str) -> String {
+/// `age young, middle-aged or elderly`: values of one attribute.
+fn alternatives(parts: &[Condition]) -> Option<String> {
+    let of_one = parts.windows(2).all(|two| attribute(&two[0]) == attribute(&two[1]));
+    let name = attribute(parts.first()?).filter(|_| of_one)?;
+    let words: Vec<String> = parts.iter().filter_map(adjective).collect();
+    let (last, others) = words.split_last()?;
+    let others = others.join(", ");
+    Some(if others.is_empty() {
+        format!("{name} {last}")
+    } else {
+        format!("{name} {others} or {last}")
+    })
+}
+
+/// Which attribute a condition is about.
+fn attribute(condition: &Condition) -> Option<&'static str> {
+    match condition {
+        Condition::Age(_) => Some("age"),
+        Condition::Gender(_) => Some("gender"),
+        Condition::Race(_) => Some("race"),
+        Condition::Action(_) => Some("action"),
+        _ => None,
+    }
+}
+
+fn part(condition: &Condition) -> String {
+    match condition {
+        Condition::Any(_) | Condition::All(_) | Condition::Not(_) => {
+            format!("({})", asked(condition))
+        }
+        _ => asked(condition),
+    }
+}
+
+fn listed(parts: &[Condition], with: &str) -> String {
+    parts.iter().map(part).collect::<Vec<_>>().join(with)
+}
+
+fn group(quantity: Quantity) -> String {
+    match quantity {
+        Quantity { at_least: 1, at_most: Some(1) } => "alone".into(),
+        other => format!("in a group of {}", amount(other)),
+    }
+}
+
+/// A number of things: `3`, `at least 2`, `2 to 4`.
+pub(crate) fn amount(quantity: Quantity) -> String {
+    match (quantity.at_least, quantity.at_most) {
+        (least, Some(most)) if least == most => least.to_string(),
+        (0, Some(most)) => format!("at most {most}"),
+        (least, Some(most)) => format!("{least} to {most}"),
+        (least, None) => format!("at least {least}"),
+    }
+}
+
+fn from_robot(place: &Place) -> String {
+    match place {
+        Place::Distance(word) => format!("{word} distance from the robot"),
+        Place::Direction(word) => format!("{word} of the robot"),
+        Place::Metres(interval) => format!("{} from the robot", metres(interval)),
+        Place::Degrees { .. } => format!("{} of the robot's front", degrees(place)),
+    }
+}
+
+/// `2 to 3 m`, `at most 3 m`.
+fn metres(interval: &Interval) -> String {
+    match (interval.min, interval.max) {
+        (Some(min), Some(max)) => format!("{min} to {max} m"),
+        (Some(min), None) => format!("at least {min} m"),
+        (None, Some(max)) => format!("at most {max} m"),
+        (None, None) => "any distance".into(),
+    }
+}
+
+fn degrees(place: &Place) -> String {
+    let Place::Degrees { center, half_width } = place else { return String::new() };
+    let side = if *center < 0.0 { "right" } else { "left" };
+    format!("{:.0}° ± {half_width:.0}° to the {side}", center.abs())
+}
+
+/// Relations to a partner: the first names it, the others point back at it.
+fn relation(related: &Related) -> String {
+    let partner = partner(related);
+    let first = related.kinds.first().map(|first| kind(first, &partner));
+    let rest = related.kinds.iter().skip(1).map(kind_again);
+    let first = first.unwrap_or_else(|| format!("there is {partner}"));
+    std::iter::once(first).chain(rest).collect::<Vec<_>>().join(", ")
+}
+
+fn partner(related: &Related) -> String {
+    let described = description(&related.partner);
+    match related.quantity {
+        Quantity::SOME => pattern(&related.partner),
+        Quantity::NONE => format!("no {described}"),
+        Quantity { at_least: 1, at_most: Some(1) } => format!("exactly one {described}"),
+        quantity => format!("{} × {described}", amount(quantity)),
+    }
+}
+
+/// One relation with a partner in words.
+pub(crate) fn kind(kind: &RelationKind, partner: &str) -> String {
     match kind {
-        RelationKind::Interaction { label } => format!("{label} with {partner}"),
-        RelationKind::Spatial { distance, direction, viewpoint } => {
-            let place = match (direction, viewpoint) {
-                (None, _) => return near(*distance, partner),
-                (Some(direction), Viewpoint::Subject) => {
-                    format!("has {partner} to its {direction}")
-                }
-                (Some(direction), Viewpoint::Partner) => format!("{direction} of {partner}"),
-            };
-            let distance = distance.map(|distance| format!(" at {distance} distance"));
-            format!("{place}{}", distance.unwrap_or_default())
+        RelationKind::Placed { place, viewpoint } => placed(place, *viewpoint, partner),
+        RelationKind::Pair(word) => pair(*word, partner),
+        RelationKind::Interaction(label) => deed(label, partner),
+        RelationKind::With => format!("with {partner}"),
+        RelationKind::Between(other) => format!("between {partner} and {}", pattern(other)),
+    }
+}
+
+fn kind_again(again: &RelationKind) -> String {
+    match again {
+        RelationKind::Placed { place: Place::Distance(word), .. } => format!("at {word} distance"),
+        RelationKind::Placed { place: Place::Metres(interval), .. } => {
+            format!("{} apart", metres(interval))
+        }
+        other => kind(other, "it"),
+    }
+}
+
+fn pair(word: PairWord, partner: &str) -> String {
+    match word {
+        PairWord::Hides => format!("hiding {partner}"),
+        PairWord::HiddenBy => format!("hidden by {partner}"),
+        PairWord::FacingEachOther => format!("face to face with {partner}"),
+        word => format!("{word} {partner}"),
+    }
+}
+
+fn deed(label: &str, partner: &str) -> String {
+    match label.strip_suffix(" together") {
+        Some(deed) => format!("{deed} together with {partner}"),
+        None if label == "conversation" => format!("in conversation with {partner}"),
+        None => format!("{label} {partner}"),
+    }
+}
+
+fn placed(place: &Place, viewpoint: Viewpoint, partner: &str) -> String {
+    match (place, viewpoint) {
+        (Place::Distance(word), _) => format!("at {word} distance from {partner}"),
+        (Place::Metres(interval), _) => format!("{} from {partner}", metres(interval)),
+        (Place::Direction(word), Viewpoint::Subject) => {
+            format!("has {partner} to its {word}")
+        }
+        (Place::Direction(word), Viewpoint::Partner) => format!("{} {partner}", side_of(*word)),
+        (Place::Direction(word), Viewpoint::Robot) => {
+            format!("{} {partner}, as the robot sees them", side_of(*word))
+        }
+        (Place::Degrees { .. }, Viewpoint::Subject) => {
+            format!("has {partner} {} of its front", degrees(place))
+        }
+        (Place::Degrees { .. }, _) => format!("{} of the front of {partner}", degrees(place)),
+    }
+}
+
+fn side_of(direction: Direction) -> String {
+    match direction {
+        d if d == Direction::level(Sector::Front) => "in front of".into(),
+        d if d == Direction::level(Sector::Back) => "behind".into(),
+        other => format!("{other} of"),
+    }
+}
+
+fn comparison(compared: &Compared) -> String {
+    let than = pattern(&compared.than);
+    let word = match (&compared.measure, compared.order) {
+        (Measure::Height, Order::Most) => "taller",
+        (Measure::Height, Order::Least) => "shorter",
+        (Measure::Age, Order::Most) => "older",
+        (Measure::Age, Order::Least) => "younger",
+        (Measure::Speed, Order::Most) => "faster",
+        (Measure::Speed, Order::Least) => "slower",
+        (Measure::FromLeft, Order::Least) => "farther left",
+        (Measure::FromLeft, Order::Most) => "farther right",
+        (Measure::DistanceTo(to), Order::Least) => {
+            return format!("closer to {} than {than}", pattern(to));
+        }
+        (Measure::DistanceTo(to), Order::Most) => {
+            return format!("farther from {} than {than}", pattern(to));
+        }
+    };
+    format!("{word} than {than}")
+}
+
+/// A pick in words: `the 2nd from the left`, `the tallest 3`.
+pub(crate) fn pick(pick: &Pick) -> String {
+    let by = match (&pick.measure, pick.order) {
+        (Measure::Height, Order::Most) => "tallest".into(),
+        (Measure::Height, Order::Least) => "shortest".into(),
+        (Measure::Age, Order::Most) => "oldest".into(),
+        (Measure::Age, Order::Least) => "youngest".into(),
+        (Measure::Speed, Order::Most) => "fastest".into(),
+        (Measure::Speed, Order::Least) => "slowest".into(),
+        (Measure::FromLeft, Order::Least) => "from the left".into(),
+        (Measure::FromLeft, Order::Most) => "from the right".into(),
+        (Measure::DistanceTo(to), Order::Least) => format!("nearest to {}", pattern(to)),
+        (Measure::DistanceTo(to), Order::Most) => format!("farthest from {}", pattern(to)),
+    };
+    let place = if pick.rank <= 1 { String::new() } else { format!("{} ", ordinal(pick.rank)) };
+    let first =
+        if matches!(pick.measure, Measure::FromLeft) && pick.rank <= 1 { "first " } else { "" };
+    let count = if pick.count == 1 { String::new() } else { format!(", {} of them", pick.count) };
+    format!("the {place}{first}{by}{count}")
+}
+
+fn ordinal(number: u32) -> String {
+    let ending = match (number % 10, number % 100) {
+        (_, 11..=13) => "th",
+        (1, _) => "st",
+        (2, _) => "nd",
+        (3, _) => "rd",
+        _ => "th",
+    };
+    format!("{number}{ending}")
+}
+
+/// A pattern as a noun phrase, `a young female person`.
+pub(crate) fn pattern(pattern: &Pattern) -> String {
+    match (&pattern.category, &pattern.pick) {
+        (Category::Robot, _) => "the robot".into(),
+        (_, Some(picked)) => format!("{} of the {}s", pick(picked), description(pattern)),
+        _ => {
+            let described = description(pattern);
+            let vowel = described.starts_with(['a', 'e', 'i', 'o', 'u', 'A', 'E', 'I', 'O', 'U']);
+            format!("{} {described}", if vowel { "an" } else { "a" })
         }
     }
 }
 
-fn near(distance: Option<DistanceWord>, partner: &str) -> String {
-    let distance = distance.map_or_else(|| "any".into(), |distance| distance.to_string());
-    format!("{distance} distance from {partner}")
+/// The same without its article.
+pub(crate) fn description(pattern: &Pattern) -> String {
+    let (words, clauses): (Vec<_>, Vec<_>) =
+        pattern.conditions.iter().partition(|c| adjective(c).is_some());
+    let words: Vec<String> = words.into_iter().filter_map(adjective).collect();
+    let adjectives = if words.is_empty() { String::new() } else { format!("{} ", words.join(" ")) };
+    let clauses: String =
+        clauses.into_iter().map(|clause| format!(" ({})", asked(clause))).collect();
+    format!("{adjectives}{}{clauses}", noun(&pattern.category))
 }
 
-/// A pattern as a noun phrase, `a young, female person`.
-pub(crate) fn pattern(pattern: &Pattern) -> String {
-    let noun = match &pattern.category {
+pub(crate) fn noun(category: &Category) -> &str {
+    match category {
         Category::Person => "person",
         Category::Object => "object",
+        Category::Anything => "thing",
         Category::Class(name) => name,
-    };
-    let words: Vec<String> = pattern.conditions.iter().map(word).collect();
-    let conditions =
-        if words.is_empty() { String::new() } else { format!("{} ", words.join(", ")) };
-    format!("a {conditions}{noun}")
+        Category::Robot => "robot",
+    }
 }
 
-fn word(condition: &Condition) -> String {
+fn adjective(condition: &Condition) -> Option<String> {
     match condition {
-        Condition::Age(value) => value.to_string(),
-        Condition::Gender(value) => value.to_string(),
-        Condition::Race(value) => value.to_string(),
-        Condition::Action(value) => value.to_string(),
-        other => format!("({})", asked(other)),
+        Condition::Age(value) => Some(value.to_string()),
+        Condition::Gender(value) => Some(value.to_string()),
+        Condition::Race(value) => Some(value.to_string()),
+        Condition::Action(value) => Some(value.to_string()),
+        Condition::Any(parts) => {
+            let words: Option<Vec<String>> = parts.iter().map(adjective).collect();
+            words.filter(|words| !words.is_empty()).map(|words| words.join("/"))
+        }
+        _ => None,
     }
 }
 
@@ -92,24 +295,4 @@ pub(crate) fn belief<T: Ord + Copy + std::fmt::Display>(belief: &Belief<T>) -> O
         1.0 => Some(best.to_string()),
         p => Some(format!("{best} ({p:.2})")),
     }
-}
-
-/// A distance in words and metres.
-pub(crate) fn distance(relation: &SpatialRelation) -> Option<String> {
-    let word = relation.distance?;
-    Some(relation.distance_m.map_or_else(|| word.to_string(), |m| format!("{word}, {m:.2} m")))
-}
-
-/// A direction in words and degrees, counter-clockwise from the front.
-pub(crate) fn direction(relation: &SpatialRelation) -> Option<String> {
-    let word = relation.direction?;
-    let degrees = relation.bearing_rad.map(|b| format!("{word}, {:+.0}°", b.to_degrees()));
-    Some(degrees.unwrap_or_else(|| word.to_string()))
-}
-
-/// Distance and direction.
-pub(crate) fn place(relation: &SpatialRelation) -> Option<String> {
-    let parts = [distance(relation), direction(relation)];
-    let known: Vec<String> = parts.into_iter().flatten().collect();
-    (!known.is_empty()).then(|| known.join("; "))
 }

@@ -4,11 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
 use crate::detection::Attributes;
-use crate::entity::SpatialRelation;
+use crate::entity::{Between, SpatialRelation};
 use crate::geometry::PixelBox;
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::vocab::LateralConvention;
+use crate::vocab::{LateralConvention, PairWord};
 
 /// A person or object: the paper's v_i = (s_i, c_i), attributes and centre.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,6 +32,16 @@ pub struct Node {
     /// Direction it faces, radians counter-clockwise from +x of the base frame.
     #[serde(default)]
     pub heading_rad: Option<f64>,
+    /// Height of its box in space, metres.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub height_m: Option<f64>,
+    /// Velocity along x and y of the base frame, metres per second.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub velocity_mps: Option<[f64; 2]>,
+    /// Number of the social group it belongs to, where the source tells groups; one frame's things with equal
+    /// numbers are together.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<u32>,
     /// Where it is, seen from the robot.
     #[serde(default)]
     pub from_robot: Option<SpatialRelation>,
@@ -44,6 +54,14 @@ pub struct Node {
 pub enum EdgeRelation {
     /// Where `to` is, seen from `from`.
     Spatial(SpatialRelation),
+    /// A word that holds of the pair (`from`, `to`).
+    Pair {
+        /// Which.
+        word: PairWord,
+        /// The number behind it: the gap of "next to", metres; the share hidden, of "in front of" and "behind".
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        value: Option<f64>,
+    },
     /// What `from` does with `to`.
     Interaction {
         /// JRDB-Social's label.
@@ -63,7 +81,8 @@ pub struct Edge {
     pub relation: EdgeRelation,
 }
 
-/// One frame as a graph: nodes sorted by id, edges by ends, spatial before interaction.
+/// One frame as a graph: nodes sorted by id, edges by ends; between two ends spatial, then pair words, then
+/// interactions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SceneGraph {
@@ -75,6 +94,9 @@ pub struct SceneGraph {
     pub nodes: Vec<Node>,
     /// Relations.
     pub edges: Vec<Edge>,
+    /// Who is between whom, sorted by the middle one, then the ends.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub between: Vec<Between>,
     /// What could not be built.
     #[serde(default)]
     pub issues: Vec<Issue>,
@@ -82,5 +104,5 @@ pub struct SceneGraph {
 
 impl Payload for SceneGraph {
     const SCHEMA: &'static str = "jrdb.scene_graph";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 }

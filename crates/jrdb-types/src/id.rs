@@ -43,6 +43,17 @@ impl EntityId {
     }
 }
 
+impl EntityId {
+    /// The id as people read it: `#12`, or `table:1` for what is not a person.
+    #[must_use]
+    pub fn short(&self) -> String {
+        match self.class.as_str() {
+            "pedestrian" | "person" => format!("#{}", self.number),
+            _ => self.to_string(),
+        }
+    }
+}
+
 impl fmt::Display for EntityId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.class, self.number)

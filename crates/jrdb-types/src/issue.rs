@@ -26,6 +26,12 @@ pub enum IssueKind {
     NoHeading,
     /// A word of the query was not understood and not used.
     UnknownWord,
+    /// A word is known but fits nowhere where it stands; it was not used.
+    MisplacedWord,
+    /// A word was read as the known one that is one edit away.
+    MisspelledWord,
+    /// The query is written in the notation, and does not fit together.
+    BadNotation,
     /// A phrase could be read in more than one way; the message says which way was taken.
     Ambiguous,
     /// The query asks for something that this scene graph cannot hold.

@@ -27,7 +27,9 @@ pub use graph::{Edge, EdgeRelation, Node, SceneGraph};
 pub use id::{EntityId, FrameId};
 pub use issue::{Issue, IssueKind, Span};
 pub use lens::{CylindricalPanorama, LensModel};
-pub use query::{Condition, Pattern, Query, RelationKind, RelationPattern, Task, Viewpoint};
+pub use query::{
+    Condition, Pattern, Place, Quantity, Query, Related, RelationKind, Task, Viewpoint,
+};
 pub use question::{Question, Questions, Truth};
 pub use rig::{Camera, Lidar, Rig, Rotation, Transform};
 pub use score::Scores;

@@ -1,13 +1,13 @@
-//! What the parser hands on: a question as conditions on things and on their relations.
+//! What the parser hands on: a question as an algebra of conditions on things and on their relations.
 
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
 use crate::issue::Issue;
-use crate::vocab::{Action, Age, Direction, DistanceWord, Gender, Race};
+use crate::vocab::{Action, Age, Direction, DistanceWord, Gender, PairWord, Race};
 
 /// What is asked of the things that match.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Task {
@@ -16,6 +16,101 @@ pub enum Task {
     Find,
     /// How many are there: a number.
     Count,
+    /// Are there as many as this: yes or no.
+    Exists(Quantity),
+    /// Are there more, or fewer, of them than of others: yes or no.
+    CompareCounts {
+        /// More or fewer.
+        order: Order,
+        /// The others.
+        than: Box<Pattern>,
+    },
+    /// What is known of them: values of properties.
+    Which {
+        /// Which properties, in the order asked.
+        properties: Vec<Property>,
+        /// Whether the values are asked in the order of time.
+        #[serde(default)]
+        in_order: bool,
+    },
+    /// Where are they: a place in words and metres.
+    Where,
+}
+
+/// How many things there must be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Quantity {
+    /// At least so many.
+    pub at_least: u32,
+    /// At most so many; no limit when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at_most: Option<u32>,
+}
+
+impl Quantity {
+    /// At least one: "a", "some", "any".
+    pub const SOME: Self = Self { at_least: 1, at_most: None };
+    /// None at all: "no", "nobody".
+    pub const NONE: Self = Self { at_least: 0, at_most: Some(0) };
+
+    /// This many, no more and no fewer.
+    #[must_use]
+    pub const fn exactly(number: u32) -> Self {
+        Self { at_least: number, at_most: Some(number) }
+    }
+
+    /// This many or more.
+    #[must_use]
+    pub const fn at_least(number: u32) -> Self {
+        Self { at_least: number, at_most: None }
+    }
+
+    /// Whether a number is as asked.
+    #[must_use]
+    pub fn holds(self, number: usize) -> bool {
+        let number = u32::try_from(number).unwrap_or(u32::MAX);
+        number >= self.at_least && self.at_most.is_none_or(|most| number <= most)
+    }
+}
+
+impl Default for Quantity {
+    fn default() -> Self {
+        Self::SOME
+    }
+}
+
+fn is_some_quantity(quantity: &Quantity) -> bool {
+    *quantity == Quantity::SOME
+}
+
+/// Something that can be told of a thing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Property {
+    /// Age group.
+    Age,
+    /// Gender.
+    Gender,
+    /// The benchmark's race words.
+    Race,
+    /// What the body does.
+    Action,
+    /// How far from the robot, in words and metres.
+    Distance,
+    /// In which direction, seen from the robot.
+    Direction,
+    /// What is done with other people (the benchmark's "social interaction").
+    SocialInteraction,
+    /// Where other people are, seen from the person (the benchmark's "geometry between people").
+    PeopleAround,
+    /// What is done with objects (the benchmark's "interaction between person and object").
+    ObjectInteraction,
+    /// Where objects are, seen from the person (the benchmark's "geometry between person and object").
+    ObjectsAround,
+    /// What kind of thing it is.
+    Category,
 }
 
 /// What kind of thing is meant.
@@ -28,8 +123,53 @@ pub enum Category {
     Person,
     /// Anything that is not a person.
     Object,
+    /// A person or an object.
+    Anything,
     /// Objects of one class, in the graph's words.
     Class(String),
+    /// The robot itself: at the origin of the base frame, facing along x. Only partners are robots.
+    Robot,
+}
+
+/// A stretch of numbers, both ends included; an absent end is open.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Interval {
+    /// Least value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub min: Option<f64>,
+    /// Greatest value.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max: Option<f64>,
+}
+
+impl Interval {
+    /// Whether a value lies in it.
+    #[must_use]
+    pub fn contains(&self, value: f64) -> bool {
+        self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)
+    }
+}
+
+/// One thing that can be said of a place. Several make several conditions.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    /// How far, in words.
+    Distance(DistanceWord),
+    /// In which direction, in words.
+    Direction(Direction),
+    /// How far, metres between the centres.
+    Metres(Interval),
+    /// In which direction, degrees counter-clockwise (to the physical left) from the front, in (-180, 180]:
+    /// within `half_width` of `center`. "At 2 o'clock" is -60 within 15.
+    Degrees {
+        /// Middle of the directions meant.
+        center: f64,
+        /// How far it may be off to either side.
+        half_width: f64,
+    },
 }
 
 /// From whose place a direction between two things is told.
@@ -37,47 +177,108 @@ pub enum Category {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Viewpoint {
-    /// Where the partner is, seen from the subject: "who has a woman to his right".
+    /// Where the partner is, in the subject's own frame: "who has a woman to his right".
     Subject,
-    /// Where the subject is, seen from the partner: "who is to the right of a woman".
+    /// Where the subject is, in the partner's own frame: "who is to the right of a woman", her right.
     Partner,
+    /// Where the subject is beside the partner, as the robot sees both: in front is nearer to the robot, left is
+    /// what the robot has on its left.
+    Robot,
 }
 
-/// What must hold between subject and partner. Fields that are absent do not matter.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// What must hold between subject and partner.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(tag = "type", rename_all = "snake_case")]
+#[serde(rename_all = "snake_case")]
 pub enum RelationKind {
     /// A place.
-    Spatial {
-        /// How far apart.
-        #[serde(default)]
-        distance: Option<DistanceWord>,
-        /// In which direction.
-        #[serde(default)]
-        direction: Option<Direction>,
-        /// Seen from whom.
+    Placed {
+        /// Where.
+        place: Place,
+        /// Seen from whom; of no matter for distances.
         viewpoint: Viewpoint,
     },
-    /// Something the subject does with the partner.
-    Interaction {
-        /// JRDB-Social's label.
-        label: String,
-    },
+    /// Next to, facing, in front of as the robot sees it ...: a word of the pair (subject, partner).
+    Pair(PairWord),
+    /// Something the subject does with the partner: JRDB-Social's label, of people (`conversation`,
+    /// `walking together`) or of a person and an object (`holding`).
+    Interaction(String),
+    /// Anything the subject does with the partner, or has it next to it: "the girl with the bag".
+    With,
+    /// The subject is between the partner and one of these.
+    Between(Box<Pattern>),
 }
 
-/// A relation to some other thing.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+/// Relations to some other things.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct RelationPattern {
-    /// What must hold.
-    pub kind: RelationKind,
+pub struct Related {
+    /// What must hold, all of it with the same partner.
+    pub kinds: Vec<RelationKind>,
     /// Which things may be the partner.
     pub partner: Pattern,
+    /// How many such partners there must be.
+    #[serde(default, skip_serializing_if = "is_some_quantity")]
+    pub quantity: Quantity,
+}
+
+/// A number that things are ordered by.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Measure {
+    /// Distance between centres to the nearest of these, metres.
+    DistanceTo(Box<Pattern>),
+    /// Place in the row from left to right as the robot sees it, all round: from straight behind over its left, its
+    /// front and its right to straight behind again.
+    FromLeft,
+    /// Height of the box in space, metres.
+    Height,
+    /// Age group, youngest first.
+    Age,
+    /// Speed over the ground, metres per second.
+    Speed,
+}
+
+/// Small or large values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Order {
+    /// The least first; less than.
+    Least,
+    /// The most first; more than.
+    Most,
+}
+
+/// Some of the things that match, by their place in an order: "the second person from the left".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Pick {
+    /// What they are ordered by. Things of which it is not known are not picked.
+    pub measure: Measure,
+    /// From which end.
+    pub order: Order,
+    /// From which place on, 1 for the first.
+    pub rank: u32,
+    /// How many from there.
+    pub count: u32,
+}
+
+/// More or less of something than others have: "taller than the man".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Compared {
+    /// Of what.
+    pub measure: Measure,
+    /// Less or more.
+    pub order: Order,
+    /// Than each of these; at least one must be known.
+    pub than: Box<Pattern>,
 }
 
 /// One thing asked of a candidate.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
@@ -89,27 +290,73 @@ pub enum Condition {
     Race(Race),
     /// What the body does.
     Action(Action),
-    /// How far from the robot.
-    RobotDistance(DistanceWord),
-    /// In which direction, seen from the robot.
-    RobotDirection(Direction),
-    /// A relation to some other thing.
-    Relation(RelationPattern),
+    /// Where it is, seen from the robot.
+    FromRobot(Place),
+    /// How many people its group has, itself included; 1 is alone.
+    GroupSize(Quantity),
+    /// Relations to other things.
+    Related(Related),
+    /// More or less of something than others.
+    Compared(Compared),
+    /// It is one of these.
+    Is(Box<Pattern>),
+    /// It does not hold.
+    Not(Box<Condition>),
+    /// At least one holds.
+    Any(Vec<Condition>),
+    /// All hold.
+    All(Vec<Condition>),
 }
 
-/// Which things are meant: a kind and conditions that hold together.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+impl Condition {
+    /// Whether it looks at other things than the candidate: the paper checks these in its second phase.
+    #[must_use]
+    pub fn is_relation(&self) -> bool {
+        match self {
+            Self::Related(_) | Self::Compared(_) | Self::Is(_) => true,
+            Self::Not(inner) => inner.is_relation(),
+            Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::is_relation),
+            _ => false,
+        }
+    }
+}
+
+/// Which things are meant: a kind, conditions that hold together, and which of those that are left.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Pattern {
     /// What kind of thing.
     pub category: Category,
     /// What must hold, in the order of the question's words.
-    #[serde(default)]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Condition>,
+    /// Which of those that match; all when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pick: Option<Pick>,
+}
+
+impl Pattern {
+    /// Things of a kind with nothing asked of them.
+    #[must_use]
+    pub fn of(category: Category) -> Self {
+        Self { category, ..Self::default() }
+    }
+}
+
+/// A stretch of a recording.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Slot {
+    /// First and last moment, seconds from the recording's first frame; any time when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub during_s: Option<[f64; 2]>,
+    /// What must hold then, besides the target's own conditions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Condition>,
 }
 
 /// A question.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Query {
     /// The words it was made from.
@@ -118,6 +365,9 @@ pub struct Query {
     pub task: Task,
     /// Of which things.
     pub target: Pattern,
+    /// What the target does when, one after the other; empty where no time is spoken of.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slots: Vec<Slot>,
     /// Which words were not understood, and which were read in one of several ways.
     #[serde(default)]
     pub issues: Vec<Issue>,
@@ -125,5 +375,5 @@ pub struct Query {
 
 impl Payload for Query {
     const SCHEMA: &'static str = "jrdb.query";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 }

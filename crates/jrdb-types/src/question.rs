@@ -20,7 +20,7 @@ pub struct Truth {
     pub count: Option<usize>,
 }
 
-/// One question about one frame.
+/// One question about one frame, or about a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Question {
@@ -28,8 +28,12 @@ pub struct Question {
     pub text: String,
     /// The benchmark's category, for example `gender-age-race-HHG`; scores are averaged by it.
     pub category: String,
-    /// The frame.
+    /// The frame; of a recording, the first that is asked about.
     pub frame: FrameId,
+    /// For a question about a recording, the numbers of the frames of each of its slots, one after the other in time;
+    /// empty for a question about one frame, and where the question's own words say when.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub slots: Vec<Vec<u32>>,
     /// The known answer, where there is one.
     #[serde(default)]
     pub truth: Option<Truth>,

@@ -94,6 +94,7 @@ impl<'a> Joined<'a> {
                 .social
                 .map(|label| self.interactions(id, label))
                 .unwrap_or_default(),
+            group: parts.social.and_then(|label| Some(label.social_group.0.as_ref()?.cluster_id)),
             occlusion: occlusion(parts).and_then(JrdbWord::from_jrdb_word),
             heading_rad: box3d.map(|bbox| bbox.heading_rad),
             box3d,

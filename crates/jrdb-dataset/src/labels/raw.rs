@@ -76,6 +76,15 @@ pub(super) struct SocialLabel {
     demographics_info: Loose<Vec<Demographics>>,
     #[serde(default, rename = "H-interaction")]
     pub(super) interactions: Loose<Vec<InteractionLabel>>,
+    #[serde(default)]
+    pub(super) social_group: Loose<SocialGroup>,
+}
+
+/// The group a person belongs to; ids are per sequence.
+#[derive(Debug, Clone, Deserialize)]
+pub(super) struct SocialGroup {
+    #[serde(rename = "cluster_ID")]
+    pub(super) cluster_id: u32,
 }
 
 /// What annotators saw; each section is `{label: difficulty}`.

@@ -111,7 +111,7 @@ struct Demographics {
 #[derive(Serialize)]
 struct SocialGroup {
     #[serde(rename = "cluster_ID")]
-    cluster_id: usize,
+    cluster_id: u32,
     cluster_stat: u32,
 }
 
@@ -264,8 +264,12 @@ impl<'a> People<'a> {
         partners.map(label).collect()
     }
 
-    /// Number of the social group, from 1: place of its first member among the people of the frame.
-    fn group(&self, id: &EntityId) -> usize {
+    /// Number of the social group: the detection's own; else, from 1, the place of the first of those that
+    /// interact with it among the people of the frame.
+    fn group(&self, id: &EntityId) -> u32 {
+        if let Some(group) = self.by_id[id].group {
+            return group;
+        }
         let (mut members, mut new) = (BTreeSet::from([id]), vec![id]);
         while let Some(member) = new.pop() {
             for partner in self.interactions.get(member).into_iter().flat_map(BTreeMap::keys) {
@@ -275,7 +279,8 @@ impl<'a> People<'a> {
             }
         }
         let first = self.by_id.keys().position(|person| members.contains(person));
-        1 + first.expect("the person asked for is a member")
+        let first = first.expect("the person asked for is a member");
+        u32::try_from(first + 1).unwrap_or(u32::MAX)
     }
 }
 

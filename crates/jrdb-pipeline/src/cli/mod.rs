@@ -2,6 +2,7 @@
 
 mod calib;
 mod models;
+mod question;
 mod rig;
 mod run;
 mod schema;

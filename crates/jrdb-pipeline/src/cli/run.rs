@@ -9,12 +9,13 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
 use jrdb_pipeline::perceive::PerceptionSource;
+use jrdb_pipeline::report::{Detail, Telling};
 use jrdb_pipeline::source::{RigChoice, RobotOptions, Source};
-use jrdb_pipeline::{Error, PipelineConfig, RunOptions, report, with_causes};
+use jrdb_pipeline::{Error, PipelineConfig, RunOptions, read_query, report, with_causes};
 use jrdb_types::score::IouKind;
-use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Localizer};
 
+use super::question::{AnswerArgs, ReadingArgs};
 use super::{Format, say};
 
 /// Which frames.
@@ -150,28 +151,6 @@ enum LocalizerArg {
     Given,
 }
 
-/// How many of the asked attributes a candidate must have.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub(crate) enum Match {
-    /// The paper's two phases, then the best-satisfied tier
-    #[default]
-    Ranked,
-    /// All of them
-    Strict,
-    /// More than half of them
-    Majority,
-}
-
-impl From<Match> for MatchPolicy {
-    fn from(policy: Match) -> Self {
-        match policy {
-            Match::Ranked => Self::Ranked,
-            Match::Strict => Self::Strict,
-            Match::Majority => Self::Majority,
-        }
-    }
-}
-
 /// Which IoU scores use.
 #[derive(Debug, Clone, Copy, Default, ValueEnum)]
 pub(crate) enum Iou {
@@ -202,15 +181,16 @@ pub(crate) struct RunArgs {
     /// The robot does not move: velocities, and headings where labels have none, come from labelled tracks
     #[arg(long)]
     robot_stands: bool,
-    /// A question for every frame; may be given several times
+    /// A question for every frame, in English or in the notation; may be given several times
     #[arg(long, value_name = "TEXT")]
     query: Vec<String>,
     /// Questions in the JRDB-Reasoning layout; a scene's own are taken when neither this nor --query is given
     #[arg(long, value_name = "FILE")]
     questions: Option<PathBuf>,
-    /// How many of the asked attributes a candidate must have
-    #[arg(long = "match", value_enum, default_value_t)]
-    policy: Match,
+    #[command(flatten)]
+    reading: ReadingArgs,
+    #[command(flatten)]
+    answers: AnswerArgs,
     /// Which IoU scores use
     #[arg(long, value_enum, default_value_t)]
     iou: Iou,
@@ -223,17 +203,29 @@ pub(crate) struct RunArgs {
     /// Worker threads; the output does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
+    /// Tell every condition with its number and margin, and the nearest misses
+    #[arg(long)]
+    explain: bool,
     /// How results are printed
     #[arg(long, value_enum, default_value_t)]
     format: Format,
 }
 
 impl RunArgs {
+    fn telling(&self) -> Telling {
+        let detail = if self.explain { Detail::Full } else { Detail::Brief };
+        Telling { detail, why_not: self.answers.why_not.clone() }
+    }
+
     fn options(&self) -> Result<RunOptions, Error> {
         let mut config = PipelineConfig::default();
         self.projection.apply(&mut config);
         self.iou.apply(&mut config);
-        config.search.policy = self.policy.into();
+        self.answers.apply(&mut config);
+        config.parser = self.reading.config();
+        for query in &self.query {
+            read_query(query, &config.parser)?;
+        }
         Ok(RunOptions {
             sources: self.source.sources()?,
             robot: self.source.robot(),
@@ -261,7 +253,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let result = jrdb_pipeline::run(&options, &|| progress.inc(1))?;
     progress.finish_and_clear();
     match args.format {
-        Format::Text => say(&report::text(&result))?,
+        Format::Text => say(&report::text(&result, &args.telling()))?,
         Format::Json => say(&report::json(&result, &options.config))?,
     }
     if let (Format::Text, Some(out)) = (args.format, &args.out) {

@@ -6,15 +6,17 @@ use std::process::ExitCode;
 use anyhow::{Result, bail};
 use clap::Args;
 use jrdb_metrics::Outcome;
+use jrdb_parser::notation;
 use jrdb_pipeline::motion::Motions;
 use jrdb_pipeline::output::{read_artefact, write_artefact};
 use jrdb_pipeline::perceive::Perceiver;
 use jrdb_pipeline::source::{FrameSource, Source, list_frames};
-use jrdb_pipeline::{Error, PipelineConfig, frame::place, report};
+use jrdb_pipeline::{Error, PipelineConfig, frame::place, read_query, report};
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
-use super::run::{Iou, Match, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
+use super::question::{AnswerArgs, ReadingArgs, question};
+use super::run::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
 use super::{Format, say};
 
 /// Where a stage's artefact goes.
@@ -145,52 +147,70 @@ pub(crate) fn graph(args: &GraphArgs) -> Result<ExitCode> {
 
 #[derive(Debug, Args)]
 pub(crate) struct ParseArgs {
-    /// The question
+    /// The question, in English or in the notation; - reads standard input
     text: String,
+    /// Show what every word was used for: the question, its meaning, and what is open or unknown, underlined
+    #[arg(long)]
+    explain: bool,
+    #[command(flatten)]
+    reading: ReadingArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
-    let query = jrdb_parser::parse(&args.text);
-    let issues = query.issues.iter().map(|issue| report::query_issue_text(&args.text, issue));
-    let head = format!("{}\n{}", query.text, jrdb_search::describe(&query));
-    let summary = issues.fold(head, |all, issue| format!("{all}\n{issue}"));
-    args.output.give(json!({}), &query, &summary)
+    let text = question(&args.text)?;
+    let config = args.reading.config();
+    let query = read_query(&text, &config)?;
+    let summary = if args.explain {
+        jrdb_parser::explain(&text, &query)
+    } else {
+        for line in report::notes(&query.issues) {
+            eprintln!("{line}");
+        }
+        notation::write(&query)
+    };
+    args.output.give(json!(config), &query, summary.trim_end())
 }
 
 #[derive(Debug, Args)]
 pub(crate) struct SearchArgs {
-    /// A scene graph
-    #[arg(long, value_name = "FILE")]
-    graph: PathBuf,
+    /// A scene graph; several, in the order of time, make a recording
+    #[arg(long, value_name = "FILE", required = true)]
+    graph: Vec<PathBuf>,
     /// A query as `jrdb parse` writes it
     #[arg(long, value_name = "FILE", required_unless_present = "text")]
     query: Option<PathBuf>,
-    /// A question in English, instead
+    /// A question in English or in the notation, instead; - reads standard input
     #[arg(long, value_name = "TEXT", conflicts_with = "query")]
     text: Option<String>,
-    /// How many of the asked attributes a candidate must have
-    #[arg(long = "match", value_enum, default_value_t)]
-    policy: Match,
+    #[command(flatten)]
+    reading: ReadingArgs,
+    #[command(flatten)]
+    answers: AnswerArgs,
     #[command(flatten)]
     output: OutputArgs,
 }
 
 pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
-    let graph: SceneGraph = read_artefact(&args.graph)?;
+    let graphs = args.graph.iter().map(|path| read_artefact(path));
+    let graphs: Vec<SceneGraph> = graphs.collect::<Result<_, Error>>()?;
     let query: Query = match (&args.query, &args.text) {
         (Some(path), _) => read_artefact(path)?,
-        (None, text) => jrdb_parser::parse(text.as_deref().unwrap_or_default()),
+        (None, text) => {
+            read_query(&question(text.as_deref().unwrap_or_default())?, &args.reading.config())?
+        }
     };
-    let config = jrdb_search::SearchConfig { policy: args.policy.into(), ..Default::default() };
-    let answer = jrdb_search::search(&graph, &query, &config);
-    let why = answer
-        .trace
-        .iter()
-        .map(|t| format!("{} {}", if t.selected { "yes" } else { "no " }, report::why(t)));
-    let summary = why.collect::<Vec<_>>().join("\n");
-    args.output.give(json!(config), &answer, &summary)
+    let config = args.answers.search();
+    let mut answer = match graphs.as_slice() {
+        [graph] if query.slots.is_empty() => jrdb_search::search(graph, &query, &config),
+        graphs => jrdb_search::search_frames(graphs, None, &query, &config),
+    };
+    if let ([graph], true) = (graphs.as_slice(), args.answers.sensitivity) {
+        answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config);
+    }
+    let summary = report::answer(&query, &answer, args.answers.why_not.as_ref());
+    args.output.give(json!(config), &answer, summary.trim_end())
 }
 
 #[derive(Debug, Args)]

@@ -54,6 +54,7 @@ impl Role {
 /// Selected things and the partners of their relations.
 pub(crate) fn witnesses(answer: &Answer) -> impl Iterator<Item = (&EntityId, &EntityId)> {
     answer.trace.iter().filter(|trace| trace.selected).flat_map(|trace| {
-        trace.checks.iter().filter_map(|check| Some((&trace.id, check.witness.as_ref()?)))
+        let witnesses = trace.checks.iter().flat_map(|check| &check.witnesses);
+        witnesses.map(|witness| (&trace.id, witness))
     })
 }

@@ -1,11 +1,12 @@
 //! The panorama with everyone's box, the answer highlighted.
 
+use jrdb_types::EntityId;
+use jrdb_types::answer::Reply;
 use jrdb_types::{Entity, Image, PixelBox};
 
 use super::canvas::{Letters, text_size};
 use super::{BLACK, Canvas, Color, Role, WHITE, witnesses};
 use crate::frame::{Asked, FrameInput, FrameOutput};
-use crate::report::short;
 
 /// Height of the strip that holds question and answer, pixels.
 const STRIP_PX: usize = 104;
@@ -39,13 +40,18 @@ pub fn draw_panorama(input: &FrameInput, output: &FrameOutput, asked: Option<&As
 fn strip(canvas: &mut Canvas, asked: &Asked) {
     canvas.text(&asked.question.text, [16.0, 8.0], Letters::Huge, WHITE);
     let answer = &asked.answer;
-    let count = answer.count.map(|count| format!("{count}: ")).unwrap_or_default();
-    let names: Vec<String> = answer.selection.iter().map(short).collect();
+    let count = match &answer.reply {
+        Reply::Things | Reply::Told(_) => String::new(),
+        Reply::Number(number) => format!("{number}: "),
+        Reply::YesNo(true) => "yes: ".into(),
+        Reply::YesNo(false) => "no: ".into(),
+    };
+    let names: Vec<String> = answer.selection.iter().map(EntityId::short).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(" ") };
     let words = format!("answer: {count}{names}");
     canvas.text(&words, [16.0, 54.0], Letters::Huge, super::ANSWER);
     let partners: Vec<String> = witnesses(answer)
-        .map(|(of, partner)| format!("{} with {}", short(of), short(partner)))
+        .map(|(of, partner)| format!("{} with {}", of.short(), partner.short()))
         .collect();
     if !partners.is_empty() {
         let at = [16.0 + text_size(&words, Letters::Huge)[0] + 40.0, 54.0];
@@ -65,7 +71,7 @@ fn draw_box(canvas: &mut Canvas, entity: &Entity, role: Role, width: f64) {
     let color = role.color();
     let stroke = if role == Role::Other { 2.0 } else { 5.0 };
     let distance = entity.from_robot.and_then(|r| r.distance_m).map(|m| format!(" {m:.1} m"));
-    let text = format!("{}{}", short(&entity.id), distance.unwrap_or_default());
+    let text = format!("{}{}", entity.id.short(), distance.unwrap_or_default());
     for [x, y, w, h] in parts(&entity.bbox, width) {
         let y = y + STRIP_PX as f64;
         // Outlines stay inside the box, so that neighbours can be told apart.

@@ -7,7 +7,6 @@ use jrdb_types::{Answer, DistanceWord, Entity, EntityId, Image};
 use super::canvas::{Letters, text_size};
 use super::{ANSWER, BLACK, Canvas, Role, WHITE, WITNESS, witnesses};
 use crate::frame::{Asked, FrameInput, FrameOutput};
-use crate::report::short;
 
 /// Side of the picture, pixels.
 const SIDE_PX: usize = 1000;
@@ -107,7 +106,7 @@ impl View {
             self.canvas.rect(square, role.color(), 2.0);
         }
         let label = [at[0] + radius + 3.0, at[1] - radius - 8.0];
-        self.canvas.label(&short(&entity.id), label, Letters::Small, [BLACK, role.color()]);
+        self.canvas.label(&entity.id.short(), label, Letters::Small, [BLACK, role.color()]);
     }
 
     fn points(&mut self, cloud: &BaseCloud) {

@@ -62,6 +62,7 @@ fn detection(subject: &Subject<'_>, drawn: &Drawn) -> Detection {
         bbox: drawn.bbox,
         attributes,
         interactions,
+        group: None,
         occlusion: Some(occlusion(drawn.visible)),
         heading_rad: Some(box3d.heading_rad),
         box3d: Some(box3d),

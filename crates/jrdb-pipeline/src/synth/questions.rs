@@ -49,7 +49,13 @@ pub(super) fn questions(labels: &Detections, seed: u64) -> Vec<Question> {
         if !sentence.is_vague || truth.ids.len() <= TOLD_APART {
             *count += 1;
             let (category, frame) = (sentence.category.into(), labels.frame.clone());
-            questions.push(Question { text, category, frame, truth: Some(truth) });
+            questions.push(Question {
+                text,
+                category,
+                frame,
+                slots: Vec::new(),
+                truth: Some(truth),
+            });
         }
     }
     questions.sort_by(|a, b| (&a.category, &a.text).cmp(&(&b.category, &b.text)));
@@ -73,7 +79,8 @@ fn settled(text: &str, truth: &SceneGraph, jittered: &[SceneGraph]) -> Option<(S
         .filter_map(|id| truth.nodes.iter().find(|node| node.id == *id).map(|node| node.bbox));
     let boxes = boxes.collect();
     let text = if answer.selection.len() > 1 { wording::plural(text) } else { text.into() };
-    Some((text, Truth { ids: answer.selection, boxes, count: answer.count }))
+    let count = answer.number();
+    Some((text, Truth { ids: answer.selection, boxes, count }))
 }
 
 fn strict(graph: &SceneGraph, query: &Query) -> Answer {

@@ -170,6 +170,7 @@ fn about_two(person: &Seen<'_>, other: &Seen<'_>, relation: &EdgeRelation) -> Ve
             ),
         )],
         EdgeRelation::Spatial(place) => beside(person, other, place),
+        EdgeRelation::Pair { .. } => Vec::new(),
     }
 }
 

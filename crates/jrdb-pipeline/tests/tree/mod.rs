@@ -31,6 +31,7 @@ fn person(number: u32, [x, y]: [f64; 2], gender: Gender, bbox: [f64; 4]) -> Dete
         bbox: PixelBox::from(bbox),
         attributes: Attributes { gender: Belief::certain(gender), ..Attributes::default() },
         interactions: Vec::new(),
+        group: None,
         occlusion: None,
         heading_rad: Some(heading_rad),
         box3d: Some(Box3d { center: [x, y, 0.0], size: [0.5, 0.5, 1.8], heading_rad }),

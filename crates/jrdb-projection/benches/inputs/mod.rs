@@ -68,6 +68,7 @@ pub(crate) fn detections(count: usize) -> Detections {
         bbox,
         attributes: Default::default(),
         interactions: Vec::new(),
+        group: None,
         occlusion: None,
         heading_rad: None,
         box3d: None,

@@ -1,0 +1,290 @@
+//! Several things of one role: "the door and the table", "the tallest man or the woman next to him".
+
+use jrdb_types::query::{Category, Measure, Quantity, RelationKind};
+use jrdb_types::{Condition, Pattern};
+
+use crate::clause::Scope;
+use crate::joined::{all_of, any_of};
+use crate::lexicon::{Role, Roles};
+use crate::noun::NOUN_START;
+use crate::parser::Parser;
+
+/// What "his left" may be told with, between a noun and "his".
+const TO_HIM: Roles = Roles::of(&[Role::Located, Role::To, Role::At, Role::Filler, Role::Relative]);
+
+/// A partner and how many of it there must be.
+#[derive(Debug, Default)]
+pub(crate) struct Partner {
+    pub(crate) pattern: Pattern,
+    pub(crate) quantity: Quantity,
+    /// "every chair" was said.
+    pub(crate) is_all: bool,
+}
+
+impl Parser<'_> {
+    /// The robot, "him" or one thing with what is said of it.
+    pub(crate) fn party(&mut self) -> Option<Pattern> {
+        Some(self.partner()?.pattern)
+    }
+
+    fn partner(&mut self) -> Option<Partner> {
+        self.skip(Roles::of(&[Role::Filler]));
+        if let Some(pattern) = self.robot() {
+            return Some(Partner { pattern, ..Partner::default() });
+        }
+        if self.is(Role::Him) && !self.is_noun_ahead(self.at + 1) {
+            return self.pronoun().map(|pattern| Partner { pattern, ..Partner::default() });
+        }
+        let Some(thing) = self.thing() else { return self.stranger() };
+        let (quantity, is_all) = (thing.how_many(), thing.is_all);
+        let pattern = self.with_modifiers(thing.pattern, thing.count);
+        Some(Partner { pattern, quantity, is_all })
+    }
+
+    /// "me", "the robot", "me (the robot)".
+    pub(crate) fn robot(&mut self) -> Option<Pattern> {
+        let next = self.after(self.at, Roles::of(&[Role::The]));
+        if !self.is_at(next, Role::Robot) {
+            return None;
+        }
+        self.at = next + 1;
+        let again = self.after(self.at, Roles::of(&[Role::The]));
+        if self.is_at(again, Role::Robot) {
+            self.at = again + 1;
+        }
+        Some(Pattern::of(Category::Robot))
+    }
+
+    /// What "him" means: the last thing spoken of.
+    pub(crate) fn pronoun(&mut self) -> Option<Pattern> {
+        let at = self.at;
+        self.his();
+        let found = self.antecedent(at);
+        if found.is_none() {
+            let message = format!(
+                "nobody was spoken of before that {:?} can mean; read as anybody",
+                self.word(at)
+            );
+            self.report(jrdb_types::IssueKind::Ambiguous, at, self.at, message);
+        }
+        Some(found.unwrap_or_default())
+    }
+
+    /// The thing that the pronoun at a place stands for: "it" is no person.
+    pub(crate) fn antecedent(&self, at: usize) -> Option<Pattern> {
+        let spoken = self.spoken.as_ref()?;
+        if !self.is_at(at, Role::It) || spoken.category != Category::Person {
+            return Some(spoken.clone());
+        }
+        let object = |condition: &Condition| match condition {
+            Condition::Related(related) if related.partner.category != Category::Person => {
+                Some(related.partner.clone())
+            }
+            _ => None,
+        };
+        spoken.conditions.iter().rev().find_map(object).or_else(|| Some(spoken.clone()))
+    }
+
+    /// Steps over "his", "his\her", "him".
+    pub(crate) fn his(&mut self) {
+        const HIS: Roles = Roles::of(&[Role::His, Role::Him]);
+        self.at += 1;
+        while self.is(Role::Slash) && self.entry_at(self.at + 1).roles.has_any(HIS) {
+            self.at += 2;
+        }
+    }
+
+    /// "a zebra": something that we do not know, with an issue, but not the robot.
+    fn stranger(&mut self) -> Option<Partner> {
+        const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
+        const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Lacks]);
+        let next = self.after(self.at, ARTICLES);
+        if !self.entry_at(next).roles.has_any(STRANGE) {
+            return None;
+        }
+        self.at = next;
+        self.report_unused();
+        let pattern = Pattern::of(Category::Anything);
+        Some(Partner { pattern, ..Partner::default() })
+    }
+
+    /// A noun phrase with what is said behind it, up to what belongs to the thing that it is a partner of.
+    pub(crate) fn with_modifiers(
+        &mut self,
+        mut pattern: Pattern,
+        count: Option<(u32, usize)>,
+    ) -> Pattern {
+        self.deeper(|parser| parser.clauses(&mut pattern, Scope::Reduced));
+        set_count(&mut pattern, count);
+        pattern
+    }
+
+    /// One partner or several, each of which must be one: "the door and the table". Alternatives are one partner.
+    pub(crate) fn partners(&mut self) -> Vec<Partner> {
+        let start = self.at;
+        self.take(Role::Either);
+        let mut partners: Vec<Partner> = self.deeper(Self::partner).into_iter().collect();
+        let mut alternatives: Vec<Pattern> = Vec::new();
+        while let (Some(last), false) = (partners.last_mut(), self.is_end()) {
+            let is_or = self.is(Role::Or);
+            if !is_or && !self.is(Role::And) || !self.is_more(&last.pattern) {
+                break;
+            }
+            self.at += 1;
+            let pronoun = self.has_pronouns.then(|| remembered(&last.pattern));
+            if is_or {
+                alternatives.push(std::mem::take(&mut last.pattern));
+            } else if !alternatives.is_empty() {
+                alternatives.push(std::mem::take(&mut last.pattern));
+                last.pattern = either(std::mem::take(&mut alternatives));
+            }
+            let outer = std::mem::replace(&mut self.spoken, pronoun);
+            let next = self.deeper(Self::partner);
+            self.spoken = outer;
+            match (next, partners.last_mut()) {
+                (Some(next), Some(last)) if is_or => last.pattern = next.pattern,
+                (Some(next), _) => partners.push(next),
+                (None, Some(last)) if is_or => {
+                    last.pattern = alternatives.pop().unwrap_or_default();
+                    break;
+                }
+                (None, _) => break,
+            }
+        }
+        if let (Some(last), false) = (partners.last_mut(), alternatives.is_empty()) {
+            alternatives.push(std::mem::take(&mut last.pattern));
+            last.pattern = either(alternatives);
+        }
+        if partners.iter().any(|partner| partner.is_all) {
+            let message = "one of them is enough; \"every\" cannot be asked here".into();
+            self.report(jrdb_types::IssueKind::Ambiguous, start, self.at, message);
+        }
+        partners
+    }
+
+    /// Whether the word behind "and" begins another thing of the same sort, that nothing else claims.
+    fn is_more(&self, last: &Pattern) -> bool {
+        let next = self.after(self.at + 1, Roles::of(&[Role::The, Role::A]));
+        let is_robot = self.is_at(next, Role::Robot);
+        let has_article = next > self.at + 1;
+        let Some(noun) = self.noun_at(next) else { return is_robot };
+        let category = self.entry_at(noun).category.as_ref();
+        let is_person = |category: &Category| *category == Category::Person;
+        let is_same = category.is_none_or(|c| is_person(c) == is_person(&last.category));
+        let is_robots = last.category == Category::Robot;
+        let is_bare = has_article || noun == next;
+        is_bare && (is_same || is_robots) && !self.is_next_told_of_him()
+    }
+
+    /// The place of the noun that adjectives from `at` on lead to.
+    fn noun_at(&self, at: usize) -> Option<usize> {
+        if !self.entry_at(at).roles.has_any(NOUN_START) || !self.is_noun_ahead(at) {
+            return None;
+        }
+        (at..at + 9)
+            .find(|at| self.entry_at(*at).roles.has_any(Roles::of(&[Role::Noun, Role::One])))
+    }
+
+    /// Whether "located to his" is at a place.
+    pub(crate) fn is_told_of_him(&self, at: usize) -> bool {
+        let next = self.after(at, TO_HIM);
+        next > at && self.is_at(next, Role::His)
+    }
+
+    /// Whether a thing with an article begins behind the joint at hand.
+    pub(crate) fn is_thing_next(&self) -> bool {
+        let start = self.at + 1;
+        let next =
+            self.after(start, Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]));
+        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Says);
+        (next > start || is_plain) && self.noun_at(next).is_some()
+    }
+
+    /// Whether the next thing behind the joint at hand is told to be at his left.
+    pub(crate) fn is_next_told_of_him(&self) -> bool {
+        const LIST: Roles = Roles::of(&[
+            Role::The,
+            Role::A,
+            Role::Says,
+            Role::Comma,
+            Role::And,
+            Role::Filler,
+            Role::Noun,
+        ]);
+        let next = self.after(self.at + 1, LIST);
+        self.is_told_of_him(next)
+    }
+}
+
+/// "The two women closest to me": the number is of the choice.
+pub(crate) fn set_count(pattern: &mut Pattern, count: Option<(u32, usize)>) {
+    if let (Some(pick), Some((count, _))) = (&mut pattern.pick, count) {
+        pick.count = count;
+    }
+}
+
+/// Things that are one of these.
+pub(crate) fn either(mut things: Vec<Pattern>) -> Pattern {
+    if things.len() < 2 {
+        return things.pop().unwrap_or_default();
+    }
+    let first = things[0].category.clone();
+    let same = things.iter().all(|thing| thing.category == first);
+    let category = if same { first } else { Category::Anything };
+    let parts = things.into_iter().map(|thing| alternative(thing, &category)).collect();
+    Pattern { conditions: vec![any_of(parts)], category, pick: None }
+}
+
+/// What must hold of a thing of a category for it to be one of the pattern.
+pub(crate) fn alternative(pattern: Pattern, category: &Category) -> Condition {
+    let is_plain = pattern.pick.is_none() && pattern.category == *category;
+    if is_plain && !pattern.conditions.is_empty() {
+        all_of(pattern.conditions)
+    } else {
+        Condition::Is(Box::new(pattern))
+    }
+}
+
+/// Conditions that a pronoun stands for at most, and the parts that each may have; a question whose pronouns stand for
+/// pronouns would grow without bound.
+const REMEMBERED_MAX: usize = 8;
+
+/// What is kept of a thing for the pronouns that follow: all that is said of it, but for what is very long.
+pub(crate) fn remembered(pattern: &Pattern) -> Pattern {
+    let is_short = |condition: &&Condition| fits(condition, &mut { REMEMBERED_MAX });
+    let conditions = pattern.conditions.iter().take(REMEMBERED_MAX).filter(is_short);
+    let pick = pattern.pick.as_ref().filter(|pick| match &pick.measure {
+        Measure::DistanceTo(things) => pattern_fits(things, &mut { REMEMBERED_MAX }),
+        _ => true,
+    });
+    Pattern {
+        category: pattern.category.clone(),
+        conditions: conditions.cloned().collect(),
+        pick: pick.cloned(),
+    }
+}
+
+/// Whether a condition has no more parts than are left; takes them off.
+fn fits(condition: &Condition, left: &mut usize) -> bool {
+    let Some(rest) = left.checked_sub(1) else { return false };
+    *left = rest;
+    match condition {
+        Condition::Related(related) => {
+            let kind_fits = |kind: &RelationKind, left: &mut usize| match kind {
+                RelationKind::Between(other) => pattern_fits(other, left),
+                _ => true,
+            };
+            related.kinds.iter().all(|kind| kind_fits(kind, left))
+                && pattern_fits(&related.partner, left)
+        }
+        Condition::Compared(compared) => pattern_fits(&compared.than, left),
+        Condition::Is(pattern) => pattern_fits(pattern, left),
+        Condition::Not(inner) => fits(inner, left),
+        Condition::Any(parts) | Condition::All(parts) => parts.iter().all(|part| fits(part, left)),
+        _ => true,
+    }
+}
+
+fn pattern_fits(pattern: &Pattern, left: &mut usize) -> bool {
+    pattern.conditions.iter().all(|condition| fits(condition, left))
+}

@@ -1,0 +1,259 @@
+//! What is done: "walking with a woman", "holding a bag", "facing me", "next to the door".
+
+use jrdb_types::query::{Category, Quantity, RelationKind};
+use jrdb_types::vocab::PairWord;
+use jrdb_types::{Condition, Pattern};
+
+use crate::coordination::{Partner, remembered};
+use crate::lexicon::{Entry, Role, Roles};
+use crate::parser::Parser;
+use crate::place::push_related;
+
+impl Parser<'_> {
+    /// Partners of a subject; "him" among them is what was spoken of before.
+    pub(crate) fn partners_of(&mut self, subject: &Pattern) -> Vec<Partner> {
+        if !self.has_pronouns || self.is(Role::Him) {
+            return self.partners();
+        }
+        let outer = self.spoken.replace(remembered(subject));
+        let partners = self.partners();
+        let last = partners.last().map(|partner| remembered(&partner.pattern));
+        self.spoken = last.or(outer);
+        partners
+    }
+
+    /// What the subject does, alone or with others.
+    pub(crate) fn deed(&mut self, pattern: &mut Pattern) -> bool {
+        let (entry, at) = (self.entry(), self.at);
+        if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
+            return false;
+        }
+        self.at += 1;
+        if let Some(label) = &entry.people
+            && self.with_people(pattern, entry, label)
+        {
+            return true;
+        }
+        if let Some(label) = &entry.object {
+            self.with_object(pattern, entry, label);
+        } else if !entry.says.is_empty() {
+            pattern.conditions.extend(entry.says.iter().cloned());
+            if entry.relation.is_some() {
+                self.relate(pattern, entry);
+            }
+        } else if let Some(label) = &entry.people {
+            self.bare_deed(pattern, label, at);
+        }
+        true
+    }
+
+    /// "chatting" alone is with anybody.
+    fn bare_deed(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
+        if label.ends_with(" together") {
+            let message = format!("read as {label:?} with somebody");
+            self.report(jrdb_types::IssueKind::Ambiguous, at, at + 1, message);
+        }
+        push_related(pattern, vec![does(label)], Pattern::default(), Quantity::SOME);
+    }
+
+    /// "walking with a woman", "talking to a man", "hugging each other".
+    fn with_people(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
+        let mark = self.mark();
+        let is_plain = entry.roles.has(Role::Deed) && entry.says.is_empty();
+        let has_with = self.take(Role::With) || is_plain && self.take(Role::To);
+        if self.take(Role::EachOther) {
+            push_related(pattern, vec![does(label)], Pattern::default(), Quantity::SOME);
+            return true;
+        }
+        let is_direct = is_plain && !label.ends_with(" together");
+        if !(has_with || is_direct) || !self.is_person_at_hand() {
+            self.reset(mark);
+            return false;
+        }
+        for partner in self.partners_of(pattern) {
+            push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
+        }
+        true
+    }
+
+    /// Whether a person, "him" or the robot is named next.
+    fn is_person_at_hand(&self) -> bool {
+        const FIRST: Roles = Roles::of(&[
+            Role::The,
+            Role::A,
+            Role::All,
+            Role::No,
+            Role::Says,
+            Role::Comma,
+            Role::And,
+            Role::Number,
+            Role::Limit,
+            Role::Superlative,
+            Role::Filler,
+            Role::Unknown,
+            Role::Lacks,
+            Role::Ordinal,
+        ]);
+        let mut at = self.at;
+        while self.entry_at(at).roles.has_any(FIRST) && !self.is_at(at, Role::Noun) {
+            at += 1;
+            if at > self.at + 12 {
+                return false;
+            }
+        }
+        let is_noun = |at: usize| self.is_at(at, Role::Noun) || self.is_at(at, Role::One);
+        if self.is_at(at, Role::Robot) || self.is_at(at, Role::Him) && !is_noun(at + 1) {
+            return true;
+        }
+        let is_described = (self.at..at).any(|at| self.is_at(at, Role::Says));
+        if is_described && !self.is_at(at, Role::Noun) {
+            return true;
+        }
+        let is_first_list = self.is(Role::And) || self.is(Role::Comma);
+        let category = self.entry_at(at).category.as_ref();
+        !is_first_list && (category == Some(&Category::Person) || self.is_at(at, Role::One))
+    }
+
+    /// "holding a bag"; "looking at" a person or the robot is facing them.
+    fn with_object(&mut self, pattern: &mut Pattern, entry: &'static Entry, label: &str) {
+        let is_person = self.is_person_at_hand();
+        if let (Some(kind), true) = (&entry.relation, is_person) {
+            for partner in self.partners_of(pattern) {
+                push_related(pattern, vec![kind.clone()], partner.pattern, partner.quantity);
+            }
+            return;
+        }
+        let partners =
+            if self.is_object_at_hand() { self.partners_of(pattern) } else { Vec::new() };
+        if partners.is_empty() {
+            let object = Pattern::of(Category::Object);
+            return push_related(pattern, vec![does(label)], object, Quantity::SOME);
+        }
+        for partner in partners {
+            push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
+        }
+    }
+
+    fn is_object_at_hand(&self) -> bool {
+        let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My, Role::No]);
+        let next = self.after(self.at, articles);
+        let has_article = next > self.at;
+        let it = self.is(Role::Him);
+        it || has_article
+            || self.is_noun_ahead(self.at) && !self.is(Role::Unknown)
+            || self.is(Role::Limit)
+    }
+
+    /// "facing me", "next to the door", "facing each other".
+    pub(crate) fn relation(&mut self, pattern: &mut Pattern) -> bool {
+        let entry = self.entry();
+        if entry.relation.is_none() || !entry.roles.has(Role::Relation) {
+            return false;
+        }
+        let start = self.at;
+        self.at += 1;
+        let found = self.relate(pattern, entry);
+        if !found {
+            self.at = start;
+        }
+        found
+    }
+
+    /// Reads the partners of a relation behind its words.
+    fn relate(&mut self, pattern: &mut Pattern, entry: &'static Entry) -> bool {
+        let Some(kind) = &entry.relation else { return false };
+        let is_mutual = *kind == RelationKind::Pair(PairWord::FacingEachOther);
+        let is_away = matches!(kind, RelationKind::Placed { .. });
+        let mark = self.mark();
+        if self.take(Role::EachOther) {
+            let mutual = each_other(kind, entry);
+            push_related(pattern, vec![mutual], Pattern::default(), Quantity::SOME);
+            return true;
+        }
+        self.skip(Roles::of(&[Role::To, Role::With, Role::Filler]));
+        let partners = self.partners_of(pattern);
+        if partners.is_empty() {
+            self.reset(mark);
+            let alone = if is_mutual {
+                Pattern::default()
+            } else if is_away || !entry.says.is_empty() {
+                Pattern::of(Category::Robot)
+            } else {
+                return false;
+            };
+            push_related(pattern, vec![kind.clone()], alone, Quantity::SOME);
+            return true;
+        }
+        for partner in partners {
+            push_related(pattern, vec![kind.clone()], partner.pattern, partner.quantity);
+        }
+        true
+    }
+
+    /// "between the man and the door", "between two adults".
+    pub(crate) fn between(&mut self, pattern: &mut Pattern) -> bool {
+        let mark = self.mark();
+        if !self.take(Role::Between) {
+            return false;
+        }
+        let mut ends = self.partners_of(pattern);
+        let (first, second) = match ends.len() {
+            2 => (ends.remove(0).pattern, ends.remove(0).pattern),
+            1 if self.is(Role::And) => {
+                let first = ends.remove(0).pattern;
+                self.at += 1;
+                let mut rest = self.partners_of(pattern);
+                if rest.is_empty() {
+                    self.reset(mark);
+                    return false;
+                }
+                (first, rest.remove(0).pattern)
+            }
+            1 => {
+                let only = ends.remove(0).pattern;
+                (only.clone(), only)
+            }
+            _ => {
+                self.reset(mark);
+                return false;
+            }
+        };
+        push_related(pattern, vec![RelationKind::Between(Box::new(second))], first, Quantity::SOME);
+        true
+    }
+
+    /// Says that a thing is as an adjective tells.
+    pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
+        let entry = self.entry();
+        if !entry.roles.has(Role::Says) {
+            return false;
+        }
+        self.at += 1;
+        pattern.conditions.extend(entry.says.iter().cloned());
+        true
+    }
+}
+
+fn does(label: &str) -> RelationKind {
+    RelationKind::Interaction(label.to_owned())
+}
+
+/// "walking towards each other", "facing each other".
+fn each_other(kind: &RelationKind, entry: &Entry) -> RelationKind {
+    match (&entry.people, kind) {
+        (Some(label), _) => does(label),
+        (None, RelationKind::Pair(PairWord::Facing)) => {
+            RelationKind::Pair(PairWord::FacingEachOther)
+        }
+        (None, other) => other.clone(),
+    }
+}
+
+/// Whether a condition is a deed with nobody and nothing named.
+pub(crate) fn bare_label(condition: &Condition) -> Option<&str> {
+    let Condition::Related(related) = condition else { return None };
+    match &related.kinds[..] {
+        [RelationKind::Interaction(label)] if related.partner.conditions.is_empty() => Some(label),
+        _ => None,
+    }
+}

@@ -1,0 +1,57 @@
+//! Conditions made of conditions.
+
+use jrdb_types::Condition;
+use jrdb_types::query::Place;
+
+/// One condition that holds when all of these do.
+pub(crate) fn all_of(mut conditions: Vec<Condition>) -> Condition {
+    match (conditions.len(), conditions.pop()) {
+        (1, Some(only)) => only,
+        (_, last) => {
+            conditions.extend(last);
+            Condition::All(conditions)
+        }
+    }
+}
+
+/// One condition that holds when any of these does; alternatives among them are laid flat.
+pub(crate) fn any_of(conditions: Vec<Condition>) -> Condition {
+    let mut conditions = conditions.into_iter();
+    let mut flat = match conditions.next() {
+        Some(Condition::Any(parts)) => parts,
+        first => first.into_iter().collect(),
+    };
+    for condition in conditions {
+        match condition {
+            Condition::Any(parts) => flat.extend(parts),
+            other => flat.push(other),
+        }
+    }
+    Condition::Any(flat)
+}
+
+/// Makes one condition of the last and the one before it, when "or" is between them or nothing can be both.
+pub(crate) fn join(conditions: &mut Vec<Condition>, length: usize, is_or: bool) {
+    if length == 0 || conditions.len() != length + 1 {
+        return;
+    }
+    if !(is_or || excludes(&conditions[length - 1], &conditions[length])) {
+        return;
+    }
+    let parts = conditions.split_off(length - 1);
+    conditions.push(any_of(parts));
+}
+
+/// Whether no thing can be both: two ages, two deeds of the body, two directions.
+pub(crate) fn excludes(first: &Condition, second: &Condition) -> bool {
+    use Condition::{Action, Age, Any, FromRobot, Gender, Race};
+    match (first, second) {
+        (Any(parts), second) => parts.iter().any(|part| excludes(part, second)),
+        (Age(a), Age(b)) => a != b,
+        (Gender(a), Gender(b)) => a != b,
+        (Race(a), Race(b)) => a != b,
+        (Action(a), Action(b)) => a != b,
+        (FromRobot(Place::Direction(a)), FromRobot(Place::Direction(b))) => a != b,
+        _ => false,
+    }
+}

@@ -1,0 +1,194 @@
+//! The parts that words play in the grammar.
+
+/// A list of roles, at most 128: a set of them is one number.
+macro_rules! roles {
+    ($($(#[doc = $doc:literal])+ $name:ident = $word:literal,)+) => {
+        /// The part that a word plays in the grammar; a word may play several.
+        #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+        pub(crate) enum Role { $($(#[doc = $doc])+ $name,)+ }
+
+        impl Role {
+            /// The role that the lexicon's `word` line names so.
+            pub(super) fn from_word(word: &str) -> Option<Self> {
+                match word { $($word => Some(Self::$name),)+ _ => None }
+            }
+        }
+    };
+}
+
+roles! {
+    /// A word that is in no phrase of the lexicon.
+    Unknown = "(unknown)",
+    /// Digits, or a word for a number.
+    Number = "(number)",
+    /// A comma or semicolon.
+    Comma = "(comma)",
+    /// A slash or backslash between words.
+    Slash = "(slash)",
+    /// A dash between numbers.
+    Dash = "(dash)",
+    /// Names a kind of thing.
+    Noun = "(noun)",
+    /// Says something of the thing spoken of.
+    Says = "(says)",
+    /// Says what a body does; such words also stand behind the noun.
+    Action = "(action)",
+    /// Takes a thing behind it and relates to it.
+    Relation = "(relation)",
+    /// Done with people, or with an object.
+    Deed = "(deed)",
+    /// A distance in words.
+    Far = "(far)",
+    /// A sector or an elevation.
+    Sector = "(sector)",
+    /// "tallest", "leftmost".
+    Superlative = "(superlative)",
+    /// "taller".
+    Comparative = "(comparative)",
+    /// "second".
+    Ordinal = "(ordinal)",
+    /// "metres".
+    Unit = "(unit)",
+    /// Something a question can ask for.
+    Asks = "(asks)",
+    /// Something that no scene graph holds.
+    Lacks = "(lacks)",
+    /// "find".
+    Find = "find",
+    /// "how many".
+    Count = "count",
+    /// "do you see".
+    Exists = "exists",
+    /// "describe".
+    Describe = "describe",
+    /// "where".
+    Where = "where",
+    /// "who", "that": begins a clause or a question.
+    Who = "who",
+    /// "which", "what": begins a question.
+    Which = "which",
+    /// "what": of things as well as of people.
+    What = "what",
+    /// "whose".
+    Whose = "whose",
+    /// "how", "how old".
+    How = "how",
+    /// "in order".
+    Order = "order",
+    /// "doing", "does".
+    Doing = "doing",
+    /// "the".
+    The = "the",
+    /// "a", "some".
+    A = "a",
+    /// "every".
+    All = "all",
+    /// "no".
+    No = "no",
+    /// "the one", "those".
+    One = "one",
+    /// "is".
+    Is = "is",
+    /// "'s".
+    Possessive = "possessive",
+    /// "not".
+    Not = "not",
+    /// "has".
+    Has = "has",
+    /// "with".
+    With = "with",
+    /// "without".
+    Without = "without",
+    /// "neither" and "nor".
+    Neither = "neither",
+    /// "either".
+    Either = "either",
+    /// "and".
+    And = "and",
+    /// "but": except, before a thing.
+    But = "but",
+    /// "or".
+    Or = "or",
+    /// "except".
+    Except = "except",
+    /// "and then".
+    Then = "then",
+    /// "during".
+    During = "during",
+    /// "than".
+    Than = "than",
+    /// "more".
+    More = "more",
+    /// "fewer".
+    Fewer = "fewer",
+    /// "of", and "in front of": a thing must follow.
+    Of = "of",
+    /// "to", "from".
+    To = "to",
+    /// "at", "on".
+    At = "at",
+    /// "located".
+    Located = "located",
+    /// "relative".
+    Relative = "relative",
+    /// "near".
+    Near = "near",
+    /// "me".
+    Robot = "robot",
+    /// "my".
+    My = "my",
+    /// "his".
+    His = "his",
+    /// "him".
+    Him = "him",
+    /// "it": no person.
+    It = "it",
+    /// "please".
+    Filler = "filler",
+    /// "side", "distance", "away": belongs to a place and adds nothing.
+    Side = "side",
+    /// "within", "at least", "exactly": limits a number.
+    Limit = "(limit)",
+    /// "several": two or more.
+    Several = "several",
+    /// "between".
+    Between = "between",
+    /// "in a group of".
+    Group = "group",
+    /// "each other".
+    EachOther = "each-other",
+    /// "seconds".
+    Seconds = "seconds",
+    /// "o'clock".
+    Clock = "clock",
+    /// "nd" of "2nd".
+    Suffix = "suffix",
+}
+
+/// A set of roles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Roles(u128);
+
+impl Roles {
+    /// The set of these.
+    pub(crate) const fn of(roles: &[Role]) -> Self {
+        let (mut bits, mut at) = (0, 0);
+        while at < roles.len() {
+            bits |= 1 << roles[at] as u64;
+            at += 1;
+        }
+        Self(bits)
+    }
+
+    pub(crate) const fn has(self, role: Role) -> bool {
+        self.0 >> role as u64 & 1 == 1
+    }
+
+    pub(crate) const fn has_any(self, roles: Self) -> bool {
+        self.0 & roles.0 != 0
+    }
+
+    pub(super) fn insert(&mut self, role: Role) {
+        self.0 |= 1 << role as u64;
+    }
+}

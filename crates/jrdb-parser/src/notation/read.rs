@@ -1,0 +1,334 @@
+//! Notation to query.
+
+use jrdb_types::query::{
+    Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
+    RelationKind, Slot, Task, Viewpoint,
+};
+use jrdb_types::vocab::{Elevation, PairWord, Sector};
+use jrdb_types::{
+    Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race, Span,
+};
+
+use super::PROPERTIES;
+use super::cursor::{Read, Reader};
+use super::token::Kind;
+
+/// A text that is no notation: what was expected, what stands there, and where.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("expected {expected}, found {found} at byte {}", span.start)]
+pub struct NotationError {
+    /// What could stand there.
+    pub expected: String,
+    /// What does.
+    pub found: String,
+    /// Where, bytes of the text.
+    pub span: Span,
+}
+
+/// Reads a query in the notation; its `text` is the notation itself.
+///
+/// ```
+/// use jrdb_parser::notation::{read, write};
+/// let query = read("count person[sitting, seen direction=left: \"table\"]").unwrap();
+/// assert_eq!(write(&query), query.text);
+/// assert_eq!(read("find person[").unwrap_err().to_string(), "expected a condition, found the end at byte 12");
+/// ```
+///
+/// # Errors
+/// [`NotationError`] at the first piece that does not fit.
+pub fn read(text: &str) -> Result<Query, NotationError> {
+    let mut reader = Reader::new(text);
+    let mut task = reader.task()?;
+    let target = reader.pattern()?;
+    if let Task::CompareCounts { than, .. } = &mut task {
+        reader.expect("than")?;
+        **than = reader.pattern()?;
+    }
+    let mut slots = Vec::new();
+    while reader.takes("slot") {
+        slots.push(reader.slot()?);
+    }
+    match reader.peek() {
+        None => Ok(Query { text: text.into(), task, target, slots, issues: Vec::new() }),
+        Some(_) => Err(reader.wanted("the end")),
+    }
+}
+
+impl Reader<'_> {
+    fn task(&mut self) -> Read<Task> {
+        let words = ["find", "count", "where", "exists", "which", "more", "fewer"];
+        let Some(word) = words.into_iter().find(|word| self.is(word)) else {
+            return Err(self.wanted("find, count, exists, which, where, more or fewer"));
+        };
+        self.at += 1;
+        Ok(match word {
+            "find" => Task::Find,
+            "count" => Task::Count,
+            "where" => Task::Where,
+            "exists" => Task::Exists(self.quantity()?),
+            "which" => self.which()?,
+            _ => {
+                let order = if word == "more" { Order::Most } else { Order::Least };
+                // Whom they are compared with comes behind the target.
+                Task::CompareCounts { order, than: Box::default() }
+            }
+        })
+    }
+
+    fn which(&mut self) -> Read<Task> {
+        let mut properties = Vec::new();
+        loop {
+            let named = |word: &str| PROPERTIES.iter().find(|(_, name)| *name == word);
+            let found = self.vocabulary(|word| named(word).map(|(property, _)| *property));
+            properties.push(found.ok_or_else(|| self.wanted("a property"))?);
+            if !self.takes(",") {
+                break;
+            }
+        }
+        let in_order = self.takes("in");
+        if in_order {
+            self.expect("order")?;
+        }
+        self.expect("of")?;
+        Ok(Task::Which { properties: Vec::<Property>::from_iter(properties), in_order })
+    }
+
+    /// A number of things where one may stand; some, where none does.
+    fn quantity(&mut self) -> Read<Quantity> {
+        let has_number = matches!(self.peek().map(|token| &token.kind), Some(Kind::Number(_)));
+        let has_mark = ["=", ">=", "<="].iter().any(|mark| self.is(mark));
+        if has_number || has_mark { self.amount() } else { Ok(Quantity::SOME) }
+    }
+
+    fn amount(&mut self) -> Read<Quantity> {
+        if self.takes("=") {
+            return Ok(Quantity::exactly(self.whole()?));
+        }
+        if self.takes(">=") {
+            return Ok(Quantity::at_least(self.whole()?));
+        }
+        if self.takes("<=") {
+            return Ok(Quantity { at_least: 0, at_most: Some(self.whole()?) });
+        }
+        let at_least = self.whole()?;
+        self.expect("..")?;
+        Ok(Quantity { at_least, at_most: Some(self.whole()?) })
+    }
+
+    fn pattern(&mut self) -> Read<Pattern> {
+        self.nested(|reader| {
+            let category = reader.category()?;
+            let conditions = if reader.takes("[") { reader.conditions("]")? } else { Vec::new() };
+            let pick = if reader.takes("{") { Some(reader.pick()?) } else { None };
+            Ok(Pattern { category, conditions, pick })
+        })
+    }
+
+    fn category(&mut self) -> Read<Category> {
+        if let Some(name) = self.quoted() {
+            return Ok(Category::Class(name));
+        }
+        let found = self.vocabulary(|word| match word {
+            "person" => Some(Category::Person),
+            "object" => Some(Category::Object),
+            "thing" => Some(Category::Anything),
+            "robot" => Some(Category::Robot),
+            _ => None,
+        });
+        found.ok_or_else(|| self.wanted("person, object, thing, robot or a quoted class"))
+    }
+
+    /// Conditions up to a closing bracket.
+    fn conditions(&mut self, close: &str) -> Read<Vec<Condition>> {
+        let mut conditions = vec![self.condition()?];
+        while self.takes(",") {
+            conditions.push(self.condition()?);
+        }
+        self.expect(close)?;
+        Ok(conditions)
+    }
+
+    fn condition(&mut self) -> Read<Condition> {
+        self.nested(Self::any_condition)
+    }
+
+    fn any_condition(&mut self) -> Read<Condition> {
+        if self.takes("(") {
+            return self.joined();
+        }
+        if self.takes("not") {
+            return Ok(Condition::Not(Box::new(self.condition()?)));
+        }
+        if self.takes("is") {
+            return Ok(Condition::Is(Box::new(self.pattern()?)));
+        }
+        if self.takes("group") {
+            return Ok(Condition::GroupSize(self.amount()?));
+        }
+        if let Some(order) = self.more_or_less() {
+            return self.compared(order);
+        }
+        if let Some(place) = self.place()? {
+            return Ok(Condition::FromRobot(place));
+        }
+        if let Some(kind) = self.relation()? {
+            return self.related(kind);
+        }
+        self.vocabulary(attribute).ok_or_else(|| self.wanted("a condition"))
+    }
+
+    /// Behind the opening bracket: `a or b)`, `or a)`, `or)`.
+    fn joined(&mut self) -> Read<Condition> {
+        let mut word = self.joint();
+        let mut parts = Vec::new();
+        while !self.takes(")") {
+            parts.push(self.condition()?);
+            let next = self.joint();
+            if self.is(")") && next.is_none() {
+                continue;
+            }
+            let Some(next) = next.filter(|next| word.is_none_or(|word| word == *next)) else {
+                return Err(self.wanted("\")\", or the same of \"or\" and \"and\" throughout"));
+            };
+            word = Some(next);
+        }
+        match word {
+            Some("or") => Ok(Condition::Any(parts)),
+            Some(_) => Ok(Condition::All(parts)),
+            None => Err(self.wanted("\"or\" or \"and\" in the brackets")),
+        }
+    }
+
+    fn joint(&mut self) -> Option<&'static str> {
+        ["or", "and"].into_iter().find(|word| self.takes(word))
+    }
+
+    fn more_or_less(&mut self) -> Option<Order> {
+        self.vocabulary(|word| match word {
+            "more" => Some(Order::Most),
+            "less" => Some(Order::Least),
+            _ => None,
+        })
+    }
+
+    fn compared(&mut self, order: Order) -> Read<Condition> {
+        let measure = self.measure()?;
+        self.expect("than")?;
+        let than = Box::new(self.pattern()?);
+        Ok(Condition::Compared(Compared { measure, order, than }))
+    }
+
+    fn measure(&mut self) -> Read<Measure> {
+        let words = ["from left", "height", "age", "speed", "distance to"];
+        let found = self.vocabulary(|found| words.into_iter().find(|word| *word == found));
+        Ok(match found {
+            Some("from left") => Measure::FromLeft,
+            Some("height") => Measure::Height,
+            Some("age") => Measure::Age,
+            Some("speed") => Measure::Speed,
+            Some(_) => Measure::DistanceTo(Box::new(self.pattern()?)),
+            None => return Err(self.wanted("distance to, from left, height, age or speed")),
+        })
+    }
+
+    fn pick(&mut self) -> Read<Pick> {
+        let order = match () {
+            () if self.takes("least") => Order::Least,
+            () if self.takes("most") => Order::Most,
+            () => return Err(self.wanted("least or most")),
+        };
+        let measure = self.measure()?;
+        let rank = if self.takes("rank") { self.whole()? } else { 1 };
+        let count = if self.takes("count") { self.whole()? } else { 1 };
+        self.expect("}")?;
+        Ok(Pick { measure, order, rank, count })
+    }
+
+    fn place(&mut self) -> Read<Option<Place>> {
+        let place = if self.takes("distance") {
+            self.expect("=")?;
+            let word = self.vocabulary(DistanceWord::from_word);
+            Place::Distance(word.ok_or_else(|| self.wanted("a distance word"))?)
+        } else if self.takes("direction") {
+            self.expect("=")?;
+            let word = self.vocabulary(direction);
+            Place::Direction(word.ok_or_else(|| self.wanted("a direction word"))?)
+        } else if self.takes("metres") {
+            let min = self.number();
+            self.expect("..")?;
+            Place::Metres(Interval { min, max: self.number() })
+        } else if self.takes("degrees") {
+            let center = self.need_number()?;
+            self.expect("+-")?;
+            Place::Degrees { center, half_width: self.need_number()? }
+        } else {
+            return Ok(None);
+        };
+        Ok(Some(place))
+    }
+
+    fn relation(&mut self) -> Read<Option<RelationKind>> {
+        let viewpoint = match () {
+            () if self.takes("has") => Some(Viewpoint::Subject),
+            () if self.takes("at") => Some(Viewpoint::Partner),
+            () if self.takes("seen") => Some(Viewpoint::Robot),
+            () => None,
+        };
+        if let Some(viewpoint) = viewpoint {
+            let place = self.place()?.ok_or_else(|| self.wanted("a place"))?;
+            return Ok(Some(RelationKind::Placed { place, viewpoint }));
+        }
+        if self.takes("does") {
+            let label = self.quoted().ok_or_else(|| self.wanted("a quoted label"))?;
+            return Ok(Some(RelationKind::Interaction(label)));
+        }
+        if self.takes("between") {
+            return Ok(Some(RelationKind::Between(Box::new(self.pattern()?))));
+        }
+        if self.takes("with") {
+            return Ok(Some(RelationKind::With));
+        }
+        Ok(self.vocabulary(PairWord::from_word).map(RelationKind::Pair))
+    }
+
+    fn related(&mut self, first: RelationKind) -> Read<Condition> {
+        let mut kinds = vec![first];
+        while self.takes("&") {
+            kinds.push(self.relation()?.ok_or_else(|| self.wanted("a relation"))?);
+        }
+        self.expect(":")?;
+        let quantity = self.quantity()?;
+        let partner = self.pattern()?;
+        Ok(Condition::Related(Related { kinds, partner, quantity }))
+    }
+
+    fn slot(&mut self) -> Read<Slot> {
+        let during_s = match self.number() {
+            None => None,
+            Some(from) => {
+                self.expect("..")?;
+                Some([from, self.need_number()?])
+            }
+        };
+        self.expect("{")?;
+        let conditions = if self.takes("}") { Vec::new() } else { self.conditions("}")? };
+        Ok(Slot { during_s, conditions })
+    }
+}
+
+fn attribute(word: &str) -> Option<Condition> {
+    let age = || Age::from_word(word).map(Condition::Age);
+    let gender = || Gender::from_word(word).map(Condition::Gender);
+    let race = || Race::from_word(word).map(Condition::Race);
+    let action = || Action::from_word(word).map(Condition::Action);
+    age().or_else(gender).or_else(race).or_else(action)
+}
+
+fn direction(words: &str) -> Option<Direction> {
+    let level = || Sector::from_word(words).map(Direction::level);
+    level().or_else(|| {
+        let (elevation, sector) = words.split_once(' ')?;
+        let elevation = Elevation::from_word(elevation)?;
+        Some(Direction { sector: Sector::from_word(sector)?, elevation })
+    })
+}

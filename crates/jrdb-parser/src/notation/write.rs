@@ -1,0 +1,250 @@
+//! Query to notation.
+
+use std::fmt::Write as _;
+
+use jrdb_types::query::{
+    Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
+    RelationKind, Slot, Task, Viewpoint,
+};
+use jrdb_types::{Condition, Pattern, Query};
+
+use super::PROPERTIES;
+
+/// A query in the notation, on one line; its words and issues are left out.
+///
+/// ```
+/// use jrdb_types::{Condition, Gender, Query};
+/// let mut query = Query::default();
+/// query.target.conditions.push(Condition::Gender(Gender::Female));
+/// assert_eq!(jrdb_parser::notation::write(&query), "find person[female]");
+/// ```
+#[must_use]
+pub fn write(query: &Query) -> String {
+    let mut text = String::new();
+    task(&mut text, &query.task);
+    pattern(&mut text, &query.target);
+    if let Task::CompareCounts { than, .. } = &query.task {
+        text.push_str(" than ");
+        pattern(&mut text, than);
+    }
+    for each in &query.slots {
+        slot(&mut text, each);
+    }
+    text
+}
+
+/// Appends formatted text; a `String` takes everything.
+macro_rules! put {
+    ($text:expr, $($arguments:tt)*) => {{ let _ = write!($text, $($arguments)*); }};
+}
+
+fn task(text: &mut String, task: &Task) {
+    match task {
+        Task::Find => text.push_str("find "),
+        Task::Count => text.push_str("count "),
+        Task::Where => text.push_str("where "),
+        Task::Exists(number) => {
+            text.push_str("exists ");
+            quantity(text, *number);
+        }
+        Task::Which { properties, in_order } => {
+            let names: Vec<&str> = properties.iter().map(|p| property(*p)).collect();
+            let order = if *in_order { " in order" } else { "" };
+            put!(text, "which {}{order} of ", names.join(", "));
+        }
+        Task::CompareCounts { order, .. } => {
+            put!(text, "{} ", if *order == Order::Most { "more" } else { "fewer" });
+        }
+    }
+}
+
+fn property(property: Property) -> &'static str {
+    PROPERTIES.iter().find(|(p, _)| *p == property).map_or("", |(_, name)| name)
+}
+
+/// `>=2 ` with a blank behind; nothing for "some".
+fn quantity(text: &mut String, quantity: Quantity) {
+    if quantity != Quantity::SOME {
+        number(text, quantity);
+        text.push(' ');
+    }
+}
+
+fn number(text: &mut String, Quantity { at_least, at_most }: Quantity) {
+    match at_most {
+        None => put!(text, ">={at_least}"),
+        Some(most) if most == at_least => put!(text, "={most}"),
+        Some(most) if at_least == 0 => put!(text, "<={most}"),
+        Some(most) => put!(text, "{at_least}..{most}"),
+    }
+}
+
+fn pattern(text: &mut String, pattern: &Pattern) {
+    category(text, &pattern.category);
+    if !pattern.conditions.is_empty() {
+        text.push('[');
+        list(text, &pattern.conditions, ", ");
+        text.push(']');
+    }
+    if let Some(picked) = &pattern.pick {
+        pick(text, picked);
+    }
+}
+
+fn category(text: &mut String, category: &Category) {
+    match category {
+        Category::Person => text.push_str("person"),
+        Category::Object => text.push_str("object"),
+        Category::Anything => text.push_str("thing"),
+        Category::Robot => text.push_str("robot"),
+        Category::Class(name) => quoted(text, name),
+    }
+}
+
+fn quoted(text: &mut String, words: &str) {
+    text.push('"');
+    for character in words.chars() {
+        if matches!(character, '"' | '\\') {
+            text.push('\\');
+        }
+        text.push(character);
+    }
+    text.push('"');
+}
+
+fn pick(text: &mut String, pick: &Pick) {
+    text.push('{');
+    text.push_str(if pick.order == Order::Most { "most " } else { "least " });
+    measure(text, &pick.measure);
+    if pick.rank != 1 {
+        put!(text, " rank {}", pick.rank);
+    }
+    if pick.count != 1 {
+        put!(text, " count {}", pick.count);
+    }
+    text.push('}');
+}
+
+fn measure(text: &mut String, measure: &Measure) {
+    match measure {
+        Measure::FromLeft => text.push_str("from left"),
+        Measure::Height => text.push_str("height"),
+        Measure::Age => text.push_str("age"),
+        Measure::Speed => text.push_str("speed"),
+        Measure::DistanceTo(things) => {
+            text.push_str("distance to ");
+            pattern(text, things);
+        }
+    }
+}
+
+fn list(text: &mut String, conditions: &[Condition], separator: &str) {
+    for (index, each) in conditions.iter().enumerate() {
+        text.push_str(if index == 0 { "" } else { separator });
+        condition(text, each);
+    }
+}
+
+fn condition(text: &mut String, condition: &Condition) {
+    match condition {
+        Condition::Age(value) => put!(text, "{value}"),
+        Condition::Gender(value) => put!(text, "{value}"),
+        Condition::Race(value) => put!(text, "{value}"),
+        Condition::Action(value) => put!(text, "{value}"),
+        Condition::FromRobot(where_) => place(text, where_),
+        Condition::GroupSize(size) => {
+            text.push_str("group ");
+            number(text, *size);
+        }
+        Condition::Related(related) => self::related(text, related),
+        Condition::Compared(compared) => self::compared(text, compared),
+        Condition::Is(things) => {
+            text.push_str("is ");
+            pattern(text, things);
+        }
+        Condition::Not(inner) => {
+            text.push_str("not ");
+            self::condition(text, inner);
+        }
+        Condition::Any(parts) => joined(text, parts, "or"),
+        Condition::All(parts) => joined(text, parts, "and"),
+    }
+}
+
+/// `(a or b)`; with fewer than two parts the word comes first: `(or a)`.
+fn joined(text: &mut String, parts: &[Condition], word: &str) {
+    text.push('(');
+    if parts.len() < 2 {
+        text.push_str(word);
+        text.push_str(if parts.is_empty() { "" } else { " " });
+    }
+    list(text, parts, &format!(" {word} "));
+    text.push(')');
+}
+
+fn place(text: &mut String, place: &Place) {
+    match place {
+        Place::Distance(word) => put!(text, "distance={word}"),
+        Place::Direction(direction) => put!(text, "direction={direction}"),
+        Place::Metres(interval) => {
+            text.push_str("metres ");
+            stretch(text, interval);
+        }
+        Place::Degrees { center, half_width } => put!(text, "degrees {center}+-{half_width}"),
+    }
+}
+
+fn stretch(text: &mut String, Interval { min, max }: &Interval) {
+    let end = |value: &Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    put!(text, "{}..{}", end(min), end(max));
+}
+
+fn related(text: &mut String, related: &Related) {
+    for (index, kind) in related.kinds.iter().enumerate() {
+        text.push_str(if index == 0 { "" } else { " & " });
+        relation(text, kind);
+    }
+    text.push_str(": ");
+    quantity(text, related.quantity);
+    pattern(text, &related.partner);
+}
+
+fn relation(text: &mut String, kind: &RelationKind) {
+    match kind {
+        RelationKind::Placed { place: where_, viewpoint } => {
+            text.push_str(match viewpoint {
+                Viewpoint::Subject => "has ",
+                Viewpoint::Partner => "at ",
+                Viewpoint::Robot => "seen ",
+            });
+            place(text, where_);
+        }
+        RelationKind::Pair(word) => put!(text, "{word}"),
+        RelationKind::With => text.push_str("with"),
+        RelationKind::Interaction(label) => {
+            text.push_str("does ");
+            quoted(text, label);
+        }
+        RelationKind::Between(other) => {
+            text.push_str("between ");
+            pattern(text, other);
+        }
+    }
+}
+
+fn compared(text: &mut String, compared: &Compared) {
+    text.push_str(if compared.order == Order::Most { "more " } else { "less " });
+    measure(text, &compared.measure);
+    text.push_str(" than ");
+    pattern(text, &compared.than);
+}
+
+fn slot(text: &mut String, slot: &Slot) {
+    text.push_str(" slot ");
+    if let Some([from, to]) = slot.during_s {
+        put!(text, "{from}..{to} ");
+    }
+    text.push('{');
+    list(text, &slot.conditions, ", ");
+    text.push('}');
+}

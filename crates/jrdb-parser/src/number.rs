@@ -1,0 +1,169 @@
+//! Numbers, quantities and lengths.
+
+use jrdb_types::query::{Interval, Quantity};
+
+use crate::lexicon::{Limit, Role, Roles};
+use crate::parser::Parser;
+
+/// Numbers above this are no counts, seconds or metres of a scene.
+const NUMBER_MAX: f64 = 1e6;
+
+/// "3 metres away" means within so many metres of it.
+pub(crate) const ABOUT_M: f64 = 0.5;
+
+/// Joins the two ends of a stretch.
+const TO: Roles = Roles::of(&[Role::To, Role::Dash, Role::And, Role::Or]);
+
+impl Parser<'_> {
+    /// A number in digits or words: "3", "twenty-five".
+    pub(crate) fn number(&mut self) -> Option<f64> {
+        if !self.is(Role::Number) {
+            return None;
+        }
+        let (at, entry) = (self.at, self.entry());
+        let Some(number) = entry.number else {
+            let number = self.word(at).parse().ok().filter(|number| *number <= NUMBER_MAX)?;
+            self.at += 1;
+            return Some(number);
+        };
+        self.at += 1;
+        let ones = self
+            .entry()
+            .number
+            .filter(|ones| self.is(Role::Number) && number >= 20.0 && (1.0..10.0).contains(ones));
+        self.at += usize::from(ones.is_some());
+        Some(number + ones.unwrap_or(0.0))
+    }
+
+    /// A whole number.
+    pub(crate) fn whole(&mut self) -> Option<u32> {
+        let mark = self.mark();
+        let number = self.number().filter(|number| number.fract() == 0.0);
+        if number.is_none() {
+            self.reset(mark);
+        }
+        number.map(|number| number as u32)
+    }
+
+    /// "exactly three", "at least 2", "3 or more", "two to four", "no"; a bare number is none.
+    pub(crate) fn quantity(&mut self) -> Option<Quantity> {
+        const FIRST: Roles =
+            Roles::of(&[Role::Limit, Role::Several, Role::No, Role::Between, Role::Number]);
+        if !self.roles().has_any(FIRST) {
+            return None;
+        }
+        let mark = self.mark();
+        let quantity = self.limited().filter(|_| !self.is(Role::Unit) && !self.is(Role::Clock));
+        if quantity.is_none() {
+            self.reset(mark);
+        }
+        quantity
+    }
+
+    fn limited(&mut self) -> Option<Quantity> {
+        if self.is(Role::No) && !self.is(Role::Noun) {
+            self.at += 1;
+            return Some(Quantity::NONE);
+        }
+        if self.take(Role::Several) {
+            return Some(Quantity::at_least(2));
+        }
+        if self.take(Role::Between) || self.is(Role::Number) {
+            let least = self.whole()?;
+            if self.is(Role::Or) && self.is_at(self.at + 1, Role::More) {
+                self.at += 2;
+                return Some(Quantity::at_least(least));
+            }
+            if self.is(Role::Or) && self.is_at(self.at + 1, Role::Fewer) {
+                self.at += 2;
+                return Some(Quantity { at_least: 0, at_most: Some(least) });
+            }
+            if !self.roles().has_any(TO) {
+                return None;
+            }
+            self.at += 1;
+            return Some(Quantity { at_least: least, at_most: Some(self.whole()?) });
+        }
+        let limit = self.entry().limit?;
+        self.at += 1;
+        let number = self.whole()?;
+        Some(match limit {
+            Limit::AtMost => Quantity { at_least: 0, at_most: Some(number) },
+            Limit::LessThan => Quantity { at_least: 0, at_most: Some(number.saturating_sub(1)) },
+            Limit::AtLeast => Quantity::at_least(number),
+            Limit::MoreThan => Quantity::at_least(number.saturating_add(1)),
+            Limit::Exactly | Limit::About => Quantity::exactly(number),
+        })
+    }
+
+    /// "within 3 m", "between 2 and 4 metres", "more than 5 feet", "3 m": metres.
+    pub(crate) fn length(&mut self) -> Option<Interval> {
+        const FIRST: Roles =
+            Roles::of(&[Role::Limit, Role::Between, Role::Number, Role::A, Role::The]);
+        if !self.roles().has_any(FIRST) {
+            return None;
+        }
+        let mark = self.mark();
+        let length = self.measured();
+        if length.is_none() {
+            self.reset(mark);
+        }
+        length
+    }
+
+    fn measured(&mut self) -> Option<Interval> {
+        let limit = self.entry().limit;
+        self.at += usize::from(limit.is_some());
+        let is_between = limit.is_none() && self.take(Role::Between);
+        let limit = if limit == Some(Limit::About) && self.entry().limit.is_some() {
+            let inner = self.entry().limit;
+            self.at += 1;
+            inner
+        } else {
+            limit
+        };
+        let one = self.roles().has(Role::A) && self.is_at(self.at + 1, Role::Unit);
+        let number = if one {
+            self.at += 1;
+            1.0
+        } else {
+            self.number()?
+        };
+        let unit = self.unit();
+        let is_stretch = self.roles().has_any(TO) && self.is_at(self.at + 1, Role::Number);
+        let second = if is_stretch && (is_between || limit.is_none()) {
+            self.at += 1;
+            self.number()
+        } else {
+            None
+        };
+        if is_between && second.is_none() {
+            return None;
+        }
+        let unit = self.unit().or(unit)?;
+        if let Some(second) = second {
+            let ends = [number * unit, second * unit];
+            return Some(Interval {
+                min: Some(ends[0].min(ends[1])),
+                max: Some(ends[0].max(ends[1])),
+            });
+        }
+        Some(limited_length(limit, number * unit))
+    }
+
+    fn unit(&mut self) -> Option<f64> {
+        let unit = self.entry().unit;
+        self.at += usize::from(unit.is_some());
+        unit
+    }
+}
+
+fn limited_length(limit: Option<Limit>, metres: f64) -> Interval {
+    match limit {
+        Some(Limit::AtMost | Limit::LessThan) => Interval { min: None, max: Some(metres) },
+        Some(Limit::AtLeast | Limit::MoreThan) => Interval { min: Some(metres), max: None },
+        Some(Limit::Exactly | Limit::About) | None => {
+            Interval { min: Some((metres - ABOUT_M).max(0.0)), max: Some(metres + ABOUT_M) }
+        }
+    }
+}

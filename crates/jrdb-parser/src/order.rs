@@ -1,0 +1,142 @@
+//! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second from the left".
+
+use jrdb_types::issue::IssueKind;
+use jrdb_types::query::{Category, Compared, Interval, Measure, Order, Pick, Place};
+use jrdb_types::vocab::Sector;
+use jrdb_types::{Condition, Pattern};
+
+use crate::lexicon::{Measured, Role, Roles};
+use crate::parser::Parser;
+
+/// Words that may stand between "closest" or "second" and the place it is told from.
+const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);
+
+/// What begins the thing that "closest" is told from: "to the door", "the door".
+const FROM: Roles = Roles::of(&[Role::To, Role::The, Role::A]);
+
+fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
+    let robot = || Pattern::of(Category::Robot);
+    match measured {
+        Measured::Distance => Measure::DistanceTo(Box::new(from.unwrap_or_else(robot))),
+        Measured::FromLeft => Measure::FromLeft,
+        Measured::Height => Measure::Height,
+        Measured::Age => Measure::Age,
+        Measured::Speed => Measure::Speed,
+    }
+}
+
+impl Parser<'_> {
+    /// "tallest", "closest to the door", with the rank and number said before.
+    pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
+        let (measured, order) = self.entry().order.filter(|_| self.is(Role::Superlative))?;
+        self.at += 1;
+        let from = if measured == Measured::Distance { self.told_from() } else { None };
+        Some(Pick { measure: measure(measured, from), order, rank, count })
+    }
+
+    /// The thing of "to the door" behind "closest".
+    pub(crate) fn told_from(&mut self) -> Option<Pattern> {
+        self.take(Role::Side);
+        let next = self.after(self.at, LINK);
+        if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
+            return None;
+        }
+        let mark = self.mark();
+        self.at += usize::from(self.is(Role::To));
+        let found = self.deeper(Self::party);
+        if found.is_none() {
+            self.reset(mark);
+        }
+        found
+    }
+
+    /// "from the left" behind "the second person": the order that the rank is of.
+    pub(crate) fn side_pick(&mut self, rank: u32, count: u32) -> Option<Pick> {
+        let next = self.after(self.at, LINK);
+        let sector = self.entry_at(next).sector?;
+        let order = match sector {
+            Sector::Left => Order::Least,
+            Sector::Right => Order::Most,
+            _ => return None,
+        };
+        if next == self.at || self.is_at(next + 1, Role::Of) {
+            return None;
+        }
+        self.at = next + 1;
+        self.skip(Roles::of(&[Role::Side]));
+        Some(Pick { measure: Measure::FromLeft, order, rank, count })
+    }
+
+    /// "taller than the man", "closer to me than the child"; "the taller one" picks the tallest.
+    pub(crate) fn comparative(&mut self, pattern: &mut Pattern) -> bool {
+        let start = self.at;
+        let Some((measured, order)) = self.entry().order.filter(|_| self.is(Role::Comparative))
+        else {
+            return false;
+        };
+        self.at += 1;
+        self.take(Role::Side);
+        let from = if measured == Measured::Distance { self.told_from() } else { None };
+        if !self.take(Role::Than) {
+            let pick = Pick { measure: measure(measured, from), order, rank: 1, count: 1 };
+            return self.put_pick(pattern, pick, start);
+        }
+        if self.is(Role::To) {
+            self.at += 1;
+            self.deeper(Self::party);
+            let message = "nearer to one thing than to another cannot be asked, not used".into();
+            self.report(IssueKind::NotInGraph, start, self.at, message);
+            return true;
+        }
+        if let (true, Some(metres)) = (from.is_none(), self.length()) {
+            return self.beyond(pattern, measured, order, metres, start);
+        }
+        let Some(than) = self.deeper(Self::party) else {
+            self.report(
+                IssueKind::UnknownWord,
+                start,
+                self.at,
+                "nothing to compare with, not used".into(),
+            );
+            return true;
+        };
+        let measure = measure(measured, from);
+        let compared = Compared { measure, order, than: Box::new(than) };
+        pattern.conditions.push(Condition::Compared(compared));
+        true
+    }
+
+    /// "closer than 3 m": a distance from the robot; other measures are not compared with metres.
+    fn beyond(
+        &mut self,
+        pattern: &mut Pattern,
+        measured: Measured,
+        order: Order,
+        metres: Interval,
+        start: usize,
+    ) -> bool {
+        if measured != Measured::Distance {
+            let message = "only distances are compared with metres, not used".into();
+            self.report(IssueKind::NotInGraph, start, self.at, message);
+            return true;
+        }
+        let limit = metres.max.zip(metres.min).map(|(max, min)| f64::midpoint(min, max));
+        let metres = match order {
+            Order::Least => Interval { min: None, max: limit },
+            Order::Most => Interval { min: limit, max: None },
+        };
+        pattern.conditions.push(Condition::FromRobot(Place::Metres(metres)));
+        true
+    }
+
+    /// Sets what is picked; a second choice from the same things is reported.
+    pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
+        if pattern.pick.is_some() {
+            let message = "only one order can be asked for, this one is not used".into();
+            self.report(IssueKind::UnknownWord, start, self.at, message);
+        } else {
+            pattern.pick = Some(pick);
+        }
+        true
+    }
+}

@@ -1,0 +1,231 @@
+//! Where the parser stands in the question, and what it can see from there.
+
+use jrdb_types::issue::IssueKind;
+use jrdb_types::query::Slot;
+use jrdb_types::{Issue, Pattern, Span};
+
+use crate::ParserConfig;
+use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
+use crate::suggest::{Suggestion, suggest};
+use crate::words::{Token, tokenize};
+
+/// How deep "left of a man who is left of a man who …" may go, two for each thing inside another: well within what the
+/// notation takes.
+const DEPTH_MAX: usize = 32;
+
+/// How many issues a question has at most; the last spans all that follow.
+const ISSUES_MAX: usize = 64;
+
+/// The words, the place among them, and what was found so far.
+pub(crate) struct Parser<'t> {
+    pub(crate) text: &'t str,
+    pub(crate) config: &'t ParserConfig,
+    pub(crate) tokens: Vec<Token>,
+    pub(crate) at: usize,
+    pub(crate) depth: usize,
+    pub(crate) issues: Vec<Issue>,
+    /// What "him" can mean besides the partners of the thing spoken of.
+    pub(crate) spoken: Option<Pattern>,
+    /// The last noun: what "the one" stands for.
+    pub(crate) last_noun: Option<&'static Entry>,
+    /// Finished slots, and the time of the one that is being read.
+    pub(crate) slots: Vec<Slot>,
+    pub(crate) during: Option<[f64; 2]>,
+    pub(crate) is_timed: bool,
+    /// Something of the text may be a pronoun for a thing spoken of.
+    pub(crate) has_pronouns: bool,
+    /// The word where clauses were too deep inside each other.
+    pub(crate) too_deep: Option<usize>,
+    /// "doing" was read: the question is for actions.
+    pub(crate) asks_doing: bool,
+}
+
+/// A place to return to.
+#[derive(Clone, Copy)]
+pub(crate) struct Mark {
+    at: usize,
+    issues: usize,
+}
+
+impl<'t> Parser<'t> {
+    pub(crate) fn new(text: &'t str, config: &'t ParserConfig) -> Self {
+        let mut issues = Vec::new();
+        let tokens = tokenize(text, &mut issues);
+        let has_pronouns = has_pronouns(&tokens);
+        Self {
+            text,
+            config,
+            tokens,
+            at: 0,
+            depth: 0,
+            issues,
+            spoken: None,
+            last_noun: None,
+            slots: Vec::new(),
+            during: None,
+            is_timed: false,
+            has_pronouns,
+            too_deep: None,
+            asks_doing: false,
+        }
+    }
+
+    pub(crate) fn entry_at(&self, at: usize) -> &'static Entry {
+        self.tokens.get(at).map_or_else(|| LEXICON.entry(special::END), |token| token.entry)
+    }
+
+    pub(crate) fn entry(&self) -> &'static Entry {
+        self.entry_at(self.at)
+    }
+
+    pub(crate) fn roles(&self) -> Roles {
+        self.entry().roles
+    }
+
+    pub(crate) fn is(&self, role: Role) -> bool {
+        self.roles().has(role)
+    }
+
+    pub(crate) fn is_at(&self, at: usize, role: Role) -> bool {
+        self.entry_at(at).roles.has(role)
+    }
+
+    pub(crate) fn is_end(&self) -> bool {
+        self.at >= self.tokens.len()
+    }
+
+    /// Steps over the word at hand when it has the role.
+    pub(crate) fn take(&mut self, role: Role) -> bool {
+        let found = self.is(role);
+        self.at += usize::from(found);
+        found
+    }
+
+    pub(crate) fn skip(&mut self, roles: Roles) {
+        self.at = self.after(self.at, roles);
+    }
+
+    /// The first place from `at` on whose word has none of the roles.
+    pub(crate) fn after(&self, mut at: usize, roles: Roles) -> usize {
+        while self.entry_at(at).roles.has_any(roles) {
+            at += 1;
+        }
+        at
+    }
+
+    pub(crate) fn mark(&self) -> Mark {
+        Mark { at: self.at, issues: self.issues.len() }
+    }
+
+    pub(crate) fn reset(&mut self, mark: Mark) {
+        self.at = mark.at;
+        self.issues.truncate(mark.issues);
+    }
+
+    /// Runs a reader one level deeper; nothing is read at the deepest level, which is reported in the end.
+    pub(crate) fn deeper<T: Default>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+        if self.depth == DEPTH_MAX {
+            self.too_deep = self.too_deep.or(Some(self.at));
+            return T::default();
+        }
+        self.depth += 1;
+        let found = read(self);
+        self.depth -= 1;
+        found
+    }
+
+    /// The bytes of the words from `start` to before `end`.
+    pub(crate) fn span(&self, start: usize, end: usize) -> Span {
+        let first = self.tokens.get(start).map_or(self.text.len(), |token| token.start);
+        let last = self.tokens.get(end.wrapping_sub(1)).map_or(first, |token| token.end);
+        Span { start: first, end: last.max(first) }
+    }
+
+    pub(crate) fn word(&self, at: usize) -> &'t str {
+        let span = self.span(at, at + 1);
+        &self.text[span.start..span.end]
+    }
+
+    /// An issue about the words from `start` to before `end`.
+    pub(crate) fn report(&mut self, kind: IssueKind, start: usize, end: usize, message: String) {
+        let issue = Issue::at(kind, self.span(start, end), message);
+        self.push_issue(issue);
+    }
+
+    fn push_issue(&mut self, issue: Issue) {
+        match (self.issues.len() >= ISSUES_MAX, self.issues.last_mut(), issue.span) {
+            (true, Some(last), Some(new)) => {
+                last.message = "too many words that were not understood".into();
+                let span = last.span.unwrap_or(new);
+                last.span =
+                    Some(Span { start: span.start.min(new.start), end: new.end.max(span.end) });
+            }
+            _ => self.issues.push(issue),
+        }
+    }
+
+    /// Steps over a word that fits nowhere, with an issue.
+    pub(crate) fn report_unused(&mut self) {
+        if self.is_end() {
+            return;
+        }
+        let (at, entry) = (self.at, self.entry());
+        self.at += 1;
+        if let Some(lacks) = &entry.lacks {
+            return self.report(
+                IssueKind::NotInGraph,
+                at,
+                at + 1,
+                format!("{lacks} are not known here"),
+            );
+        }
+        let span = self.span(at, at + 1);
+        if self.issues.len() >= ISSUES_MAX {
+            return self.push_issue(Issue::at(IssueKind::UnknownWord, span, ""));
+        }
+        let word = self.word(at);
+        let issue = if entry.roles.has(Role::Unknown) {
+            let suggestion = suggest(word).map(|(Suggestion::Only(w) | Suggestion::Perhaps(w))| w);
+            let suggestion = suggestion.filter(|known| !known.eq_ignore_ascii_case(word));
+            let message = format!("unknown word {word:?}, not used");
+            Issue {
+                suggestion: suggestion.map(str::to_owned),
+                ..Issue::at(IssueKind::UnknownWord, span, message)
+            }
+        } else {
+            Issue::at(IssueKind::UnknownWord, span, format!("{word:?} fits nowhere here, not used"))
+        };
+        self.push_issue(issue);
+    }
+
+    /// Steps over something that no scene graph holds, with an issue; false when the word at hand is known.
+    pub(crate) fn lacks(&mut self) -> bool {
+        let found = self.is(Role::Lacks);
+        if found {
+            self.report_unused();
+        }
+        found
+    }
+}
+
+/// Whether a word of the text is one that says something, not one that only joins.
+pub(crate) fn has_known_word(text: &str) -> bool {
+    const TELLING: Roles = Roles::of(&[
+        Role::Noun,
+        Role::Find,
+        Role::Count,
+        Role::Says,
+        Role::Robot,
+        Role::Who,
+        Role::Which,
+    ]);
+    tokenize(text, &mut Vec::new()).iter().any(|token| token.entry.roles.has_any(TELLING))
+}
+
+/// Whether there is a pronoun other than "his" of the benchmark's "his\her", which is the subject's.
+fn has_pronouns(tokens: &[Token]) -> bool {
+    let is_pronoun = |token: &Token| token.entry.roles.has_any(Roles::of(&[Role::His, Role::Him]));
+    let is_slash = |at: usize| tokens.get(at).is_some_and(|t| t.entry.roles.has(Role::Slash));
+    (0..tokens.len())
+        .any(|at| is_pronoun(&tokens[at]) && !is_slash(at + 1) && !is_slash(at.wrapping_sub(1)))
+}

@@ -1,0 +1,262 @@
+//! Places as conditions: seen from the robot, or between two things.
+
+use jrdb_types::issue::IssueKind;
+use jrdb_types::query::{Category, Place, Quantity, Related, RelationKind, Viewpoint};
+use jrdb_types::{Condition, Pattern};
+
+use crate::OfPerson;
+use crate::coordination::Partner;
+use crate::lexicon::{Role, Roles};
+use crate::parser::Parser;
+use crate::predicate::Behind;
+use crate::spot::{Anchor, Spot, is_robot};
+
+impl Parser<'_> {
+    /// "close to me", "to the left of a child", "at a far distance".
+    pub(crate) fn placed(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
+        let (mark, start) = (self.mark(), self.at);
+        let Some((spot, anchor)) = self.spot(pattern) else { return false };
+        let is_unsaid = matches!(anchor, Anchor::Unsaid);
+        if behind == Behind::Partner && is_unsaid && spot.places().all(is_distance) {
+            // "left of the woman at a far distance": how far from her, not she from the robot.
+            self.reset(mark);
+            return false;
+        }
+        if matches!(anchor, Anchor::His) && self.is_at_his(pattern, start) {
+            let Some(Condition::Related(last)) = pattern.conditions.last_mut() else { return true };
+            last.kinds.extend(kinds(&spot, Viewpoint::Subject));
+            return true;
+        }
+        self.put_spot(spot, anchor, pattern, start);
+        true
+    }
+
+    /// Whether the place that begins at `start` is the partner's: "standing with a woman on his left".
+    fn is_at_his(&self, pattern: &Pattern, start: usize) -> bool {
+        const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma, Role::Who, Role::Is]);
+        let is_direct = start > 0 && !self.entry_at(start - 1).roles.has_any(JOINTS);
+        is_direct && matches!(pattern.conditions.last(), Some(Condition::Related(_)))
+    }
+
+    fn put_spot(&mut self, mut spot: Spot, anchor: Anchor, pattern: &mut Pattern, start: usize) {
+        match anchor {
+            Anchor::Unsaid | Anchor::Robot => from_robot(&spot, pattern),
+            Anchor::Own(owner) if owner.category == Category::Robot => from_robot(&spot, pattern),
+            Anchor::Own(owner) => self.put_own(&mut spot, owner, pattern),
+            Anchor::His => {
+                let owner = self.owner_of_his(start);
+                self.put_own(&mut spot, owner, pattern);
+            }
+            Anchor::Him => {
+                let partner = self.owner_of_his(start);
+                let partner = Partner { pattern: partner, ..Partner::default() };
+                self.put_beside(spot, vec![partner], pattern);
+            }
+            Anchor::Things(partners) => self.put_beside(spot, partners, pattern),
+        }
+    }
+
+    fn owner_of_his(&mut self, start: usize) -> Pattern {
+        const PRONOUN: Roles = Roles::of(&[Role::His, Role::Him]);
+        let at = (start..self.at).find(|at| self.entry_at(*at).roles.has_any(PRONOUN));
+        let found = self.antecedent(at.unwrap_or(start));
+        if found.is_none() {
+            let message = "nobody was spoken of before who can be meant; read as anybody".into();
+            self.report(IssueKind::Ambiguous, start, self.at, message);
+        }
+        found.unwrap_or_default()
+    }
+
+    /// "on the man's left": his own, whatever the configuration says of "left of the man".
+    fn put_own(&mut self, spot: &mut Spot, owner: Pattern, pattern: &mut Pattern) {
+        let is_person = owner.category == Category::Person;
+        let viewpoint = if is_person { Viewpoint::Partner } else { Viewpoint::Robot };
+        spot.loosen();
+        push_related(pattern, kinds(spot, viewpoint), owner, Quantity::SOME);
+    }
+
+    fn put_beside(&mut self, mut spot: Spot, partners: Vec<Partner>, pattern: &mut Pattern) {
+        let mut is_told = false;
+        for partner in partners {
+            if is_robot(&partner) {
+                from_robot(&spot, pattern);
+                continue;
+            }
+            let is_person = partner.pattern.category == Category::Person;
+            let viewpoint = match self.config.viewpoint {
+                OfPerson::Own if is_person => Viewpoint::Partner,
+                _ => Viewpoint::Robot,
+            };
+            if viewpoint == Viewpoint::Partner && !is_told {
+                self.report_side(&spot);
+                is_told = true;
+            }
+            spot.loosen();
+            let kinds = kinds(&spot, viewpoint);
+            push_related(pattern, kinds, partner.pattern, partner.quantity);
+        }
+    }
+
+    fn report_side(&mut self, spot: &Spot) {
+        let Some(at) = spot.sided else { return };
+        let word = self.word(at);
+        let message = format!("read as that person's own {word}, not as seen from the robot");
+        self.report(IssueKind::Ambiguous, at, at + 1, message);
+    }
+
+    /// "has a woman to his right", "with a bag", "a woman located to his right": things and where they are, seen from the
+    /// subject.
+    pub(crate) fn possession(&mut self, pattern: &mut Pattern) -> bool {
+        let mark = self.mark();
+        let mut is_without = self.is(Role::Without);
+        if !self.roles().has_any(Roles::of(&[Role::Has, Role::With, Role::Without])) {
+            return false;
+        }
+        self.at += 1;
+        self.skip(Roles::of(&[Role::With, Role::Filler, Role::Either]));
+        is_without |= self.take(Role::Neither);
+        let mut found = false;
+        let length = pattern.conditions.len();
+        while let Some(one) = self.one_possession(pattern) {
+            let is_negated = matches!(one, Condition::Not(_));
+            let condition =
+                if is_without && !is_negated { Condition::Not(Box::new(one)) } else { one };
+            pattern.conditions.push(condition);
+            found = true;
+            let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
+            if !is_more || !self.is_thing_next() || self.is_next_told_of_him() {
+                break;
+            }
+            if pattern.conditions.len() - length == 1 && self.is_person_next() {
+                break;
+            }
+            self.at += 1;
+        }
+        if !found {
+            self.reset(mark);
+        }
+        found
+    }
+
+    fn is_person_next(&self) -> bool {
+        let next = self.after(self.at + 1, Roles::of(&[Role::The, Role::A, Role::Says]));
+        self.entry_at(next).category == Some(Category::Person)
+    }
+
+    fn one_possession(&mut self, pattern: &mut Pattern) -> Option<Condition> {
+        if let Some(robot) = self.robot() {
+            let kinds = vec![RelationKind::With];
+            return Some(related(kinds, robot, Quantity::SOME));
+        }
+        let start = self.at;
+        let mut thing = self.thing()?;
+        let quantity = thing.how_many();
+        while self.is_deed_of_partner() && self.deed(&mut thing.pattern) {}
+        let is_none = quantity == Quantity::NONE;
+        let quantity = if is_none { Quantity::SOME } else { quantity };
+        let kinds = self.where_it_is(&mut thing.pattern, pattern, start);
+        if self.is(Role::Who) {
+            thing.pattern = self.with_modifiers(thing.pattern, thing.count);
+        }
+        let one = related(kinds, thing.pattern, quantity);
+        Some(if is_none { Condition::Not(Box::new(one)) } else { one })
+    }
+
+    fn is_deed_of_partner(&self) -> bool {
+        self.roles().has_any(Roles::of(&[Role::Action, Role::Deed]))
+    }
+
+    /// The relation of the subject to what it has.
+    fn where_it_is(
+        &mut self,
+        partner: &mut Pattern,
+        subject: &Pattern,
+        start: usize,
+    ) -> Vec<RelationKind> {
+        if let Some(kind) = self.beside_him() {
+            return vec![kind];
+        }
+        match self.spot(subject) {
+            None => vec![RelationKind::With],
+            Some((mut spot, Anchor::Unsaid | Anchor::His | Anchor::Him)) => {
+                spot.loosen();
+                kinds(&spot, Viewpoint::Subject)
+            }
+            Some((spot, anchor)) => {
+                self.put_spot(spot, anchor, partner, start);
+                vec![RelationKind::With]
+            }
+        }
+    }
+
+    /// "next to him" behind "with a woman".
+    fn beside_him(&mut self) -> Option<RelationKind> {
+        let kind = self.entry().relation.as_ref().filter(|_| self.is(Role::Relation))?;
+        let next = self.at + 1;
+        let is_pair = matches!(kind, RelationKind::Pair(_));
+        if !is_pair || !self.is_at(next, Role::Him) || self.is_noun_ahead(next + 1) {
+            return None;
+        }
+        self.at = next;
+        self.his();
+        Some(kind.clone())
+    }
+
+    /// "a woman located to his right": the same without "has". One relation with the deed before it when both are with
+    /// the same, described thing.
+    pub(crate) fn other_at_his(&mut self, pattern: &mut Pattern) -> bool {
+        let mark = self.mark();
+        let found = self.thing().filter(|_| self.is_told_of_him(self.at));
+        let (Some(thing), Some((spot, Anchor::His))) = (found, self.spot(pattern)) else {
+            self.reset(mark);
+            return false;
+        };
+        let kinds = kinds(&spot, Viewpoint::Subject);
+        if let Some(Condition::Related(last)) = pattern.conditions.last_mut() {
+            let is_deed = matches!(last.kinds[..], [RelationKind::Interaction(_)]);
+            if is_deed && last.partner == thing.pattern && !thing.pattern.conditions.is_empty() {
+                last.kinds.extend(kinds);
+                return true;
+            }
+        }
+        push_related(pattern, kinds, thing.pattern, Quantity::SOME);
+        true
+    }
+}
+
+fn from_robot(spot: &Spot, pattern: &mut Pattern) {
+    pattern.conditions.extend(spot.places().map(Condition::FromRobot));
+}
+
+fn is_distance(place: Place) -> bool {
+    matches!(place, Place::Distance(_) | Place::Metres(_))
+}
+
+/// Distances are told the same from both sides; they stand with the partner, or with the subject that has it.
+fn kinds(spot: &Spot, viewpoint: Viewpoint) -> Vec<RelationKind> {
+    let of_distance = match viewpoint {
+        Viewpoint::Subject => Viewpoint::Subject,
+        Viewpoint::Partner | Viewpoint::Robot => Viewpoint::Partner,
+    };
+    let kind = |place: Place| {
+        let viewpoint = if is_distance(place) { of_distance } else { viewpoint };
+        RelationKind::Placed { place, viewpoint }
+    };
+    spot.places().map(kind).collect()
+}
+
+pub(crate) fn related(kinds: Vec<RelationKind>, partner: Pattern, quantity: Quantity) -> Condition {
+    Condition::Related(Related { kinds, partner, quantity })
+}
+
+pub(crate) fn push_related(
+    pattern: &mut Pattern,
+    kinds: Vec<RelationKind>,
+    partner: Pattern,
+    quantity: Quantity,
+) {
+    let is_none = quantity == Quantity::NONE;
+    let quantity = if is_none { Quantity::SOME } else { quantity };
+    let one = related(kinds, partner, quantity);
+    pattern.conditions.push(if is_none { Condition::Not(Box::new(one)) } else { one });
+}

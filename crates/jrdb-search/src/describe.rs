@@ -1,0 +1,80 @@
+//! A whole question, in words.
+
+use jrdb_types::query::{Order, Property, Slot};
+use jrdb_types::{Condition, Pattern, Query, Task};
+
+use crate::wording;
+
+/// A query in words: what is asked of which kind of thing, then one line per condition.
+///
+/// ```
+/// use jrdb_types::{Condition, Gender, Query};
+/// let mut query = Query::default();
+/// query.target.conditions.push(Condition::Gender(Gender::Male));
+/// assert_eq!(jrdb_search::describe(&query), "find a person with\n  gender male");
+/// ```
+#[must_use]
+pub fn describe(query: &Query) -> String {
+    let target = &query.target;
+    let noun = wording::pattern(&Pattern::of(target.category.clone()));
+    let mut lines: Vec<String> = target.conditions.iter().map(wording::asked).collect();
+    lines.extend(target.pick.as_ref().map(wording::pick));
+    lines.extend(query.slots.iter().zip(1..).map(|(slot, number)| described(slot, number)));
+    let with = if lines.is_empty() { "" } else { " with" };
+    let lines: String = lines.iter().map(|line| format!("\n  {line}")).collect();
+    let than = match &query.task {
+        Task::CompareCounts { than, .. } => format!("\nthan {}", wording::description(than)),
+        _ => String::new(),
+    };
+    format!("{}{with}{lines}{than}", asked(&query.task, &noun))
+}
+
+fn asked(task: &Task, noun: &str) -> String {
+    match task {
+        Task::Find => format!("find {noun}"),
+        Task::Count => format!("count {noun}"),
+        Task::Exists(quantity) => {
+            format!("is there {noun}, {} of them,", wording::amount(*quantity))
+        }
+        Task::CompareCounts { order: Order::Most, .. } => format!("are there more: {noun}"),
+        Task::CompareCounts { order: Order::Least, .. } => format!("are there fewer: {noun}"),
+        Task::Where => format!("where is {noun}"),
+        Task::Which { properties, in_order } => {
+            let names: Vec<&str> = properties.iter().map(|p| property(*p)).collect();
+            let over_time = if *in_order { " over time" } else { "" };
+            format!("tell the {}{over_time} of {noun}", names.join(", "))
+        }
+    }
+}
+
+pub(crate) fn described(slot: &Slot, number: usize) -> String {
+    let conditions: Vec<String> = slot.conditions.iter().map(wording::asked).collect();
+    let then = if number == 1 { "" } else { "then " };
+    let during = slot.during_s.map(|[from, to]| format!("during {from} to {to} s "));
+    let conditions =
+        if conditions.is_empty() { "present".into() } else { conditions.join(" and ") };
+    format!("{then}{}{conditions}", during.unwrap_or_default())
+}
+
+/// The name of a property.
+pub(crate) fn property(property: Property) -> &'static str {
+    match property {
+        Property::Age => "age",
+        Property::Gender => "gender",
+        Property::Race => "race",
+        Property::Action => "action",
+        Property::Distance => "distance",
+        Property::Direction => "direction",
+        Property::SocialInteraction => "social interaction",
+        Property::PeopleAround => "people around",
+        Property::ObjectInteraction => "object interaction",
+        Property::ObjectsAround => "objects around",
+        Property::Category => "category",
+    }
+}
+
+/// Conditions of the target and of a slot together.
+pub(crate) fn together(target: &Pattern, more: &[Condition]) -> Pattern {
+    let conditions = target.conditions.iter().chain(more).cloned().collect();
+    Pattern { conditions, ..target.clone() }
+}

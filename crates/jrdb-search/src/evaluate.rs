@@ -1,0 +1,341 @@
+//! Every condition of a pattern on every thing it may mean: truths, probabilities and witnesses, kept for the trace.
+
+use jrdb_graph::BitSet;
+use jrdb_types::query::Category;
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{Condition, Pattern, Related};
+
+use crate::link::{Kinds, Link, Partner};
+use crate::measure::Comparison;
+use crate::place;
+use crate::probability::of_count;
+use crate::searcher::Searcher;
+use crate::value::{NOBODY, Truth, Value};
+use crate::{attribute, ranked};
+
+/// A pattern, evaluated.
+pub(crate) struct Evaluated<'q> {
+    pub(crate) pattern: &'q Pattern,
+    /// Things of its kind.
+    pub(crate) kind: BitSet,
+    pub(crate) columns: Vec<Column<'q>>,
+    /// By number; of other kinds nothing passes.
+    pub(crate) verdicts: Vec<Verdict>,
+    /// Those that pass, its pick included.
+    pub(crate) passed: BitSet,
+}
+
+/// One condition on every thing, and what it consists of.
+pub(crate) struct Column<'q> {
+    pub(crate) condition: &'q Condition,
+    pub(crate) values: Vec<Value>,
+    pub(crate) inner: Inner<'q>,
+}
+
+/// What a condition consists of.
+pub(crate) enum Inner<'q> {
+    Leaf,
+    Relation { kinds: Kinds<'q>, partner: Partner<'q> },
+    Comparison(Comparison),
+    Pattern(Box<Evaluated<'q>>),
+    Parts(Vec<Column<'q>>),
+}
+
+/// What checking every condition of a pattern on one thing came to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Verdict {
+    /// Enough attributes hold (the paper's phase 1).
+    pub(crate) passed_attributes: bool,
+    /// Every relation holds (the paper's phase 2).
+    pub(crate) passed_relations: bool,
+    /// Conditions that hold, those of the witnesses included.
+    pub(crate) satisfied: u32,
+    /// Product of the probabilities of the conditions, as believed.
+    pub(crate) probability: f64,
+    /// The same for the ranking.
+    pub(crate) ranking: f64,
+    /// Whether a belief that is neither 0 nor 1 has a part in it.
+    pub(crate) uncertain: bool,
+}
+
+impl Verdict {
+    const OTHER_KIND: Self = Self {
+        passed_attributes: false,
+        passed_relations: false,
+        satisfied: 0,
+        probability: 0.0,
+        ranking: 0.0,
+        uncertain: false,
+    };
+
+    pub(crate) fn passed(&self) -> bool {
+        self.passed_attributes && self.passed_relations
+    }
+}
+
+impl Evaluated<'_> {
+    /// Probabilities that a thing matches, as believed and for the ranking. With a pick only those it takes may match.
+    pub(crate) fn probabilities(&self, number: usize) -> [f64; 2] {
+        let verdict = &self.verdicts[number];
+        if self.pattern.pick.is_some() && !self.passed.contains(number) {
+            return [0.0; 2];
+        }
+        [verdict.probability, verdict.ranking]
+    }
+}
+
+impl Searcher<'_, '_> {
+    /// Evaluates a pattern on everything of its kind.
+    pub(crate) fn evaluate<'q>(&self, pattern: &'q Pattern) -> Evaluated<'q> {
+        let kind = self.kind(&pattern.category).into_owned();
+        self.evaluate_on(pattern, kind)
+    }
+
+    /// Evaluates a pattern on some things.
+    pub(crate) fn evaluate_on<'q>(&self, pattern: &'q Pattern, kind: BitSet) -> Evaluated<'q> {
+        let columns: Vec<Column<'q>> =
+            pattern.conditions.iter().map(|condition| self.column_of(condition, &kind)).collect();
+        let mut verdicts = vec![Verdict::OTHER_KIND; self.index.size()];
+        let mut passed = BitSet::new(self.index.size());
+        for number in kind.iter() {
+            verdicts[number] = self.verdict(&columns, number);
+            if verdicts[number].passed() {
+                passed.insert(number);
+            }
+        }
+        let mut evaluated = Evaluated { pattern, kind, columns, verdicts, passed };
+        if let Some(pick) = &pattern.pick {
+            evaluated.passed = self.pick(&self.meant(&evaluated), pick);
+        }
+        evaluated
+    }
+
+    /// Those that an evaluated pattern means, its pick apart, as the policy chooses.
+    fn meant(&self, evaluated: &Evaluated<'_>) -> BitSet {
+        match self.config.policy {
+            MatchPolicy::Ranked => ranked::unpicked_choice(self, evaluated),
+            MatchPolicy::Strict | MatchPolicy::Majority => evaluated.passed.clone(),
+        }
+    }
+
+    fn verdict(&self, columns: &[Column<'_>], number: usize) -> Verdict {
+        let all = Value::all(columns.iter().map(|column| column.values[number]));
+        let (mut attributes, mut held, mut satisfied, mut passed_relations) = (0, 0, 0, true);
+        for column in columns {
+            let value = &column.values[number];
+            satisfied += value.satisfied;
+            if column.condition.is_relation() {
+                passed_relations &= value.truth.holds();
+            } else {
+                attributes += 1;
+                held += u32::from(value.truth.holds());
+            }
+        }
+        let passed_attributes = match self.config.policy {
+            MatchPolicy::Strict => held == attributes,
+            MatchPolicy::Majority | MatchPolicy::Ranked => attributes == 0 || 2 * held > attributes,
+        };
+        let (probability, ranking, uncertain) = (all.probability, all.ranking, all.uncertain);
+        Verdict { passed_attributes, passed_relations, satisfied, probability, ranking, uncertain }
+    }
+
+    fn column_of<'q>(&self, condition: &'q Condition, within: &BitSet) -> Column<'q> {
+        let mut values = vec![Value::UNKNOWN; self.index.size()];
+        let mut fill = |of: &dyn Fn(usize) -> Value| {
+            within.iter().for_each(|number| values[number] = of(number));
+        };
+        let inner = match condition {
+            Condition::FromRobot(place) => {
+                fill(&|number| self.robot_place_value(number, place));
+                Inner::Leaf
+            }
+            Condition::GroupSize(quantity) => {
+                fill(&|number| Value::certain(self.group_truth(number, *quantity)));
+                Inner::Leaf
+            }
+            Condition::Related(related) => return self.relation_column(condition, related, within),
+            Condition::Compared(compared) => {
+                let comparison = Comparison::new(self, compared);
+                fill(&|number| Value::certain(comparison.truth(number)));
+                Inner::Comparison(comparison)
+            }
+            Condition::Is(pattern) => {
+                let mut those = self.evaluate(pattern);
+                if pattern.pick.is_none() {
+                    those.passed = self.meant(&those);
+                }
+                fill(&|number| is_one_of(&those, number));
+                Inner::Pattern(Box::new(those))
+            }
+            Condition::Not(inner) => {
+                let column = self.column_of(inner, within);
+                fill(&|number| column.values[number].negated());
+                Inner::Parts(vec![column])
+            }
+            Condition::Any(parts) => {
+                let columns: Vec<_> = parts.iter().map(|p| self.column_of(p, within)).collect();
+                fill(&|number| any_of(condition, || columns.iter().map(|c| c.values[number])));
+                Inner::Parts(columns)
+            }
+            Condition::All(parts) => {
+                let columns: Vec<_> = parts.iter().map(|p| self.column_of(p, within)).collect();
+                fill(&|number| Value::all(columns.iter().map(|c| c.values[number])));
+                Inner::Parts(columns)
+            }
+            Condition::Age(_)
+            | Condition::Gender(_)
+            | Condition::Race(_)
+            | Condition::Action(_) => {
+                let neighbor = self.config.age_neighbor_probability;
+                fill(&|number| {
+                    let known = self.index.node(number).map(|node| &node.attributes);
+                    attribute::value(condition, known, neighbor).unwrap_or(Value::UNKNOWN)
+                });
+                Inner::Leaf
+            }
+        };
+        Column { condition, values, inner }
+    }
+
+    fn robot_place_value(&self, number: usize, asked: &jrdb_types::Place) -> Value {
+        let node = self.index.node(number);
+        let Some(found) = node.and_then(|node| self.seen_by_robot(node)) else {
+            return Value::UNKNOWN;
+        };
+        let probability = place::probability(asked, &found, &self.robot_view());
+        Value::new(self.place_truth(number, asked), probability)
+    }
+
+    fn partner_of<'q>(&self, pattern: &'q Pattern) -> Partner<'q> {
+        if pattern.category == Category::Robot {
+            return Partner::Robot(pattern.conditions.is_empty());
+        }
+        let evaluated = self.evaluate(pattern);
+        let passed = evaluated.passed.clone();
+        Partner::Things { passed, evaluated: Some(Box::new(evaluated)) }
+    }
+
+    fn relation_column<'q>(
+        &self,
+        condition: &'q Condition,
+        related: &'q Related,
+        within: &BitSet,
+    ) -> Column<'q> {
+        let partner = self.partner_of(&related.partner);
+        let kinds = Kinds::new(&related.kinds, |pattern| self.partner_of(pattern));
+        let mut values = vec![Value::UNKNOWN; self.index.size()];
+        let mut scratch = Vec::new();
+        for subject in within.iter() {
+            values[subject] = match &partner {
+                Partner::Robot(is_free) => {
+                    let link = if *is_free { self.robot_link(subject, &kinds) } else { Link::NONE };
+                    self.robot_value(subject, related, link)
+                }
+                Partner::Things { passed, evaluated } => {
+                    self.possible_partners(subject, &kinds, &mut scratch);
+                    let of = |other: usize| {
+                        let those = evaluated.as_ref().filter(|e| e.kind.contains(other))?;
+                        Some((those.verdicts[other], those.probabilities(other)))
+                    };
+                    self.relation_value(subject, related, &kinds, &scratch, passed, of)
+                }
+            };
+        }
+        Column { condition, values, inner: Inner::Relation { kinds, partner } }
+    }
+
+    fn robot_value(&self, subject: usize, related: &Related, link: Link) -> Value {
+        let Link { holds, probability } = link;
+        let truth = self.relation_truth(subject, related, usize::from(holds));
+        let quantity = related.quantity;
+        let p = of_count(std::iter::once(probability), quantity.at_least, quantity.at_most);
+        let p = if truth == Truth::Unknown { 0.0 } else { p };
+        Value { satisfied: u32::from(holds), ..Value::new(truth, p) }
+    }
+
+    /// How many partners there are, how probably as many as asked, and the best of them: one that holds before one that
+    /// does not, then by conditions satisfied, those that stand in the relations first, then by probability, then by id.
+    fn relation_value(
+        &self,
+        subject: usize,
+        related: &Related,
+        kinds: &Kinds<'_>,
+        possible: &[u32],
+        passed: &BitSet,
+        verdict: impl Fn(usize) -> Option<(Verdict, [f64; 2])>,
+    ) -> Value {
+        let (mut count, mut uncertain) = (0, false);
+        let mut probabilities: Vec<[f64; 2]> = Vec::new();
+        let mut best: Option<((bool, u32, bool, f64), u32)> = None;
+        for &other in possible {
+            let link = self.link(subject, other as usize, kinds);
+            let Some((verdict, [believed, ranking])) = verdict(other as usize) else { continue };
+            let holds = link.holds && passed.contains(other as usize);
+            count += usize::from(holds);
+            uncertain |= verdict.uncertain;
+            probabilities.push([link.probability * believed, link.probability * ranking]);
+            let satisfied = u32::from(link.holds) + verdict.satisfied;
+            let rank = (holds, satisfied, link.holds, link.probability * believed);
+            if best.is_none_or(|(best, _)| rank > best) {
+                best = Some((rank, other));
+            }
+        }
+        let truth = self.relation_truth(subject, related, count);
+        let quantity = related.quantity;
+        let [probability, ranking] = [0, 1].map(|which| {
+            // Without anybody around and without a place nothing can be said.
+            if truth == Truth::Unknown && probabilities.is_empty() {
+                return 0.0;
+            }
+            let each = probabilities.iter().map(|p| p[which]);
+            of_count(each, quantity.at_least, quantity.at_most)
+        });
+        let satisfied = match best {
+            Some(((_, satisfied, ..), _)) if quantity.at_least > 0 => satisfied,
+            _ => u32::from(truth.holds()),
+        };
+        let witness = best.map_or(NOBODY, |(_, other)| other);
+        Value { truth, probability, ranking, satisfied, uncertain, witness }
+    }
+}
+
+fn is_one_of(those: &Evaluated<'_>, number: usize) -> Value {
+    let unknown = those.columns.iter().any(|c| c.values[number].truth == Truth::Unknown);
+    let truth = match those.passed.contains(number) {
+        true => Truth::Yes,
+        false if unknown && those.kind.contains(number) => Truth::Unknown,
+        false => Truth::No,
+    };
+    let [probability, ranking] = those.probabilities(number);
+    let uncertain = those.verdicts[number].uncertain;
+    Value { ranking, uncertain, ..Value::new(truth, probability) }
+}
+
+/// Alternatives exclude each other when they are values of one attribute or sectors of one place: then probabilities add.
+fn any_of<V: Iterator<Item = Value>>(condition: &Condition, values: impl Fn() -> V) -> Value {
+    let any = Value::any(values());
+    let Condition::Any(parts) = condition else { return any };
+    if !exclude_each_other(parts) {
+        return any;
+    }
+    let sum = |of: fn(&Value) -> f64| values().map(|v| of(&v)).sum::<f64>().min(1.0);
+    Value { probability: sum(|v| v.probability), ranking: sum(|v| v.ranking), ..any }
+}
+
+fn exclude_each_other(parts: &[Condition]) -> bool {
+    use Condition::{Action, Age, FromRobot, Gender, Race};
+    use jrdb_types::Place::{Direction, Distance};
+    let is_one_kind = |pair: &[Condition]| {
+        matches!(
+            (&pair[0], &pair[1]),
+            (Age(_), Age(_))
+                | (Gender(_), Gender(_))
+                | (Race(_), Race(_))
+                | (Action(_), Action(_))
+                | (FromRobot(Distance(_)), FromRobot(Distance(_)))
+                | (FromRobot(Direction(_)), FromRobot(Direction(_)))
+        )
+    };
+    let repeats = |part: &Condition| parts.iter().filter(|other| *other == part).count() > 1;
+    parts.windows(2).all(is_one_kind) && !parts.iter().any(repeats)
+}

@@ -1,0 +1,261 @@
+//! The stage on a recording: who does what when.
+
+mod plan;
+mod track;
+
+use std::collections::BTreeSet;
+
+use jrdb_graph::{BitSet, GraphIndex};
+use jrdb_types::answer::{Ranked, Reply, Seen, SlotAnswer, Told};
+use jrdb_types::issue::IssueKind;
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{
+    Answer, EntityId, FrameId, Issue, LateralConvention, Pattern, Query, SceneGraph, Task,
+};
+
+use crate::evaluate::Evaluated;
+use crate::search::{by_sets, candidates, in_order, presupposes, search_indexed};
+use crate::searcher::Searcher;
+use crate::{SearchConfig, engine, issues, ranked, reply};
+use plan::{Plan, plans};
+use track::Track;
+
+/// Answers a question about a recording: its frames in the order of time.
+///
+/// `slots` says which of the frames (by their place in the list) each slot covers, where the caller knows. Else a slot covers the
+/// frames of its seconds, both ends included, counted from the first frame's number at
+/// [`SearchConfig::frames_per_second`]; and a slot without seconds is any moment.
+///
+/// A track matches a slot of several frames when it matches in more than half of those that it is seen in; it matches any moment when
+/// it matches in one frame. What is asked one after the other must be matched one after the other, by the earliest moments
+/// that there are, unless [`SearchConfig::order`] says otherwise. A question without slots is about the whole recording.
+///
+/// Under [`crate::Pooling::PerCondition`] every slot has the engine's answer, and the selection and number are the first slot's, as
+/// the benchmark reads them.
+#[must_use]
+pub fn search_frames(
+    frames: &[SceneGraph],
+    slots: Option<&[Vec<usize>]>,
+    query: &Query,
+    config: &SearchConfig,
+) -> Answer {
+    let indices: Vec<GraphIndex<'_>> = frames.iter().map(GraphIndex::new).collect();
+    let indices: Vec<&GraphIndex<'_>> = indices.iter().collect();
+    match indices.as_slice() {
+        [only] if slots.is_none() && query.slots.is_empty() => search_indexed(only, query, config),
+        _ => answer(&indices, slots, query, config),
+    }
+}
+
+/// One frame of a slot, evaluated.
+struct Moment<'q> {
+    /// Place of the frame in the recording.
+    frame: usize,
+    evaluated: Evaluated<'q>,
+    /// Who matches, the pick included.
+    holds: BitSet,
+}
+
+/// The answer on frames that are indexed already.
+pub(crate) fn answer(
+    frames: &[&GraphIndex<'_>],
+    slots: Option<&[Vec<usize>]>,
+    query: &Query,
+    config: &SearchConfig,
+) -> Answer {
+    let query = &*engine::as_asked(query, config);
+    let plans = plans(frames, slots, query, config);
+    let searchers: Vec<Searcher<'_, '_>> =
+        frames.iter().map(|index| Searcher::new(index, config)).collect();
+    let moments: Vec<Vec<Moment<'_>>> = plans
+        .iter()
+        .map(|plan| plan.frames.iter().map(|&f| moment(&searchers[f], f, plan)).collect())
+        .collect();
+    let tracks = track::of(&searchers, &plans, &moments);
+    let mut selected = select(&tracks, query, config);
+    let speaks_of_time = slots.is_some() || !query.slots.is_empty();
+    let mut slot_answers = if engine::pools(config) {
+        pooled(frames, &plans, config)
+    } else {
+        plans
+            .iter()
+            .enumerate()
+            .map(|(k, _)| seen(&tracks, &searchers, k, &selected, config))
+            .collect()
+    };
+    if engine::pools(config) {
+        selected = slot_answers.first().map_or_else(BTreeSet::new, |slot| {
+            slot.seen.iter().map(|seen| seen.id.clone()).collect()
+        });
+    }
+    let units = slot_answers.first().map_or(0, |slot| slot.seen.len());
+    let count = if engine::pools(config) { units } else { selected.len() };
+    let reply = reply(frames, &searchers, &plans, &tracks, &selected, count, query);
+    if !speaks_of_time {
+        slot_answers.clear();
+    }
+    let first = frames.first().map(|index| index.scene());
+    Answer {
+        frame: first.map_or_else(FrameId::default, |scene| scene.frame.clone()),
+        question: query.text.clone(),
+        task: query.task.clone(),
+        policy: config.policy,
+        lateral: first.map_or_else(LateralConvention::default, |scene| scene.lateral),
+        reply,
+        ranking: ranking(&tracks, &selected, config),
+        trace: tracks
+            .iter()
+            .map(|t| t.trace(&searchers, &plans, &moments, selected.contains(t.id)))
+            .collect(),
+        slots: slot_answers,
+        sensitivity: Vec::new(),
+        issues: issues(&searchers, &plans, query),
+        selection: selected.into_iter().collect(),
+    }
+}
+
+fn moment<'q>(searcher: &Searcher<'_, '_>, frame: usize, plan: &'q Plan) -> Moment<'q> {
+    let evaluated = searcher.evaluate_on(&plan.pattern, candidates(searcher, &plan.pattern));
+    let asked = Pattern { pick: plan.pick.clone(), ..plan.pattern.clone() };
+    Moment { frame, evaluated, holds: by_sets(searcher, &asked) }
+}
+
+/// The tracks that are meant.
+fn select(tracks: &[Track<'_>], query: &Query, config: &SearchConfig) -> BTreeSet<EntityId> {
+    let matching = tracks.iter().filter(|track| track.matches).map(|track| track.id.clone());
+    let matching: BTreeSet<EntityId> = matching.collect();
+    let guesses = config.policy == MatchPolicy::Ranked && presupposes(&query.task);
+    let is_uncertain = tracks.iter().any(|track| track.uncertain);
+    if !guesses || (!is_uncertain && !matching.is_empty()) {
+        return matching;
+    }
+    let probabilities = tracks.iter().map(|track| (track.score * track.probability, track.id));
+    let chosen = ranked::best_expected_f1(probabilities.collect());
+    if chosen.is_empty() { matching } else { chosen.into_iter().cloned().collect() }
+}
+
+fn ranking(
+    tracks: &[Track<'_>],
+    selected: &BTreeSet<EntityId>,
+    config: &SearchConfig,
+) -> Vec<Ranked> {
+    let is_ranked = config.policy == MatchPolicy::Ranked;
+    let ranked = tracks
+        .iter()
+        .filter(|track| selected.contains(track.id) || (is_ranked && track.ranking > 0.0));
+    let ranked = ranked.map(|track| Ranked {
+        id: track.id.clone(),
+        bbox: track.bbox,
+        probability: (track.score * track.ranking).clamp(0.0, 1.0),
+    });
+    in_order(ranked.collect())
+}
+
+fn pooled(frames: &[&GraphIndex<'_>], plans: &[Plan], config: &SearchConfig) -> Vec<SlotAnswer> {
+    let of_slot = |plan: &Plan| {
+        let frames: Vec<&GraphIndex<'_>> = plan.frames.iter().map(|&f| frames[f]).collect();
+        SlotAnswer { seen: engine::pooled(&frames, &plan.pattern, config) }
+    };
+    plans.iter().map(of_slot).collect()
+}
+
+/// Who matches a slot when: of the selected, and of all where slots are independent.
+fn seen(
+    tracks: &[Track<'_>],
+    searchers: &[Searcher<'_, '_>],
+    slot: usize,
+    selected: &BTreeSet<EntityId>,
+    config: &SearchConfig,
+) -> SlotAnswer {
+    let is_free = config.order == crate::SlotOrder::Independent;
+    let shown = tracks
+        .iter()
+        .filter(|track| selected.contains(track.id) || (is_free && track.slots[slot].matches));
+    let seen = shown.flat_map(|track| {
+        track.slots[slot].shown().filter_map(move |(frame, number)| {
+            let node = searchers[frame].index.node(number)?;
+            let frame = searchers[frame].index.scene().frame.frame;
+            Some(Seen { id: node.id.clone(), frame, bbox: node.bbox })
+        })
+    });
+    SlotAnswer { seen: seen.collect() }
+}
+
+fn reply(
+    frames: &[&GraphIndex<'_>],
+    searchers: &[Searcher<'_, '_>],
+    plans: &[Plan],
+    tracks: &[Track<'_>],
+    selected: &BTreeSet<EntityId>,
+    count: usize,
+    query: &Query,
+) -> Reply {
+    let meant = || tracks.iter().filter(|track| selected.contains(track.id));
+    match &query.task {
+        Task::Find => Reply::Things,
+        Task::Count => Reply::Number(count),
+        Task::Exists(quantity) => Reply::YesNo(quantity.holds(count)),
+        Task::CompareCounts { order, than } => {
+            let slots: Vec<Vec<usize>> = plans.iter().map(|plan| plan.frames.clone()).collect();
+            let others = Query { task: Task::Count, target: (**than).clone(), ..Query::default() };
+            let config = searchers.first().map(|searcher| searcher.config).unwrap_or_default();
+            let others = answer(frames, Some(&slots), &others, &config).number().unwrap_or(0);
+            Reply::YesNo(reply::compare(count, *order, others))
+        }
+        Task::Where => Reply::Told(
+            meant()
+                .filter_map(|t| t.shown().next())
+                .filter_map(|(f, n)| reply::place(&searchers[f], n))
+                .collect(),
+        ),
+        Task::Which { properties, .. } => {
+            let told = meant().flat_map(|track| {
+                properties.iter().map(|&property| {
+                    let told = track.all_frames().into_iter();
+                    let told =
+                        told.filter_map(|(f, n)| reply::property_of(&searchers[f], n, property));
+                    over_time(track.id, property, told)
+                })
+            });
+            Reply::Told(told.collect())
+        }
+    }
+}
+
+/// The values in the order of time, each once until it changes.
+fn over_time(
+    id: &EntityId,
+    property: jrdb_types::query::Property,
+    told: impl Iterator<Item = Told>,
+) -> Told {
+    let mut words: Vec<String> = Vec::new();
+    let mut last = Vec::new();
+    for moment in told {
+        if moment.words != last && !moment.words.is_empty() {
+            words.extend(moment.words.iter().cloned());
+            last = moment.words;
+        }
+    }
+    Told { id: id.clone(), property: Some(property), words }
+}
+
+/// What no frame can give, and what slots there are no frames for.
+fn issues(searchers: &[Searcher<'_, '_>], plans: &[Plan], query: &Query) -> Vec<Issue> {
+    let mut missing = searchers.iter().map(|searcher| issues::of(searcher, query));
+    let mut all = query.issues.clone();
+    if let Some(first) = missing.next() {
+        let rest: Vec<Vec<Issue>> = missing.collect();
+        all.extend(first.into_iter().filter(|issue| rest.iter().all(|r| r.contains(issue))));
+    }
+    if searchers.len() == 1 && query.slots.len() > 1 {
+        let message = "the question speaks of several moments, and there is only one frame";
+        all.push(Issue::new(IssueKind::NotInGraph, message));
+    }
+    for (plan, number) in plans.iter().zip(1..) {
+        if plan.frames.is_empty() {
+            let message = format!("there is no frame for moment {number} of the question");
+            all.push(Issue::new(IssueKind::NotInGraph, message));
+        }
+    }
+    all
+}

@@ -1,0 +1,80 @@
+//! Who belongs together.
+
+use std::collections::BTreeMap;
+
+use jrdb_graph::GraphIndex;
+use jrdb_types::EdgeRelation;
+
+use crate::SearchConfig;
+
+/// How many people the group of each has, itself included.
+///
+/// People with a group number are with those of the same number. Of the others those are together who do something with one
+/// another, or are at most [`SearchConfig::close_m`] apart (where the graph has words only, "close"), directly or through
+/// others. Of somebody without a number, a place and an edge nothing is known.
+pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option<u32>> {
+    let people = index.columns().people();
+    let told = |number: usize| index.node(number).and_then(|node| node.group);
+    let mut counts: BTreeMap<u32, u32> = BTreeMap::new();
+    for group in people.iter().filter_map(told) {
+        *counts.entry(group).or_default() += 1;
+    }
+    let roots = components(index, config, |number| {
+        people.contains(number) && number < index.node_count() && told(number).is_none()
+    });
+    let mut members = vec![0; index.size()];
+    people.iter().filter(|&n| n < index.node_count()).for_each(|n| members[roots[n]] += 1);
+    (0..index.node_count())
+        .map(|number| {
+            let is_known = || {
+                let has_edge = !index.outgoing(number).others.is_empty()
+                    || !index.incoming(number).others.is_empty();
+                has_edge || index.node(number).is_some_and(|node| node.center.is_some())
+            };
+            match told(number) {
+                _ if !people.contains(number) => None,
+                Some(group) => counts.get(&group).copied(),
+                None => is_known().then(|| members[roots[number]]),
+            }
+        })
+        .collect()
+}
+
+/// A number for each connected component.
+fn components(
+    index: &GraphIndex<'_>,
+    config: &SearchConfig,
+    is_free: impl Fn(usize) -> bool,
+) -> Vec<usize> {
+    let mut parents: Vec<usize> = (0..index.size()).collect();
+    for from in (0..index.size()).filter(|&from| is_free(from)) {
+        let row = index.outgoing(from);
+        for (&to, &edge) in row.others.iter().zip(row.edges) {
+            if is_free(to as usize) && joins(index.relation(edge), config) {
+                let (a, b) = (root(&mut parents, from), root(&mut parents, to as usize));
+                parents[a.max(b)] = a.min(b);
+            }
+        }
+    }
+    (0..index.size()).map(|number| root(&mut parents, number)).collect()
+}
+
+fn joins(relation: &EdgeRelation, config: &SearchConfig) -> bool {
+    match relation {
+        EdgeRelation::Interaction { .. } => true,
+        EdgeRelation::Spatial(place) => match (place.distance_m, place.distance) {
+            (Some(metres), _) => metres <= config.close_m,
+            (None, Some(word)) => word.bounds_m().1 <= config.close_m,
+            (None, None) => false,
+        },
+        EdgeRelation::Pair { .. } => false,
+    }
+}
+
+fn root(parents: &mut [usize], mut number: usize) -> usize {
+    while parents[number] != number {
+        parents[number] = parents[parents[number]];
+        number = parents[number];
+    }
+    number
+}

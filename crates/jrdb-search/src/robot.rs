@@ -1,0 +1,72 @@
+//! The robot as a partner: at the origin of the base frame, facing along x.
+
+use jrdb_types::query::Place;
+use jrdb_types::vocab::PairWord;
+use jrdb_types::{Node, SpatialRelation};
+
+use crate::geometry::robot_seen_by;
+use crate::link::{Kinds, Link};
+use crate::place;
+use crate::searcher::{Searcher, is_distance};
+
+impl Searcher<'_, '_> {
+    /// All the relations between a subject and the robot.
+    pub(crate) fn robot_link(&self, subject: usize, kinds: &Kinds<'_>) -> Link {
+        let Some(node) = self.index.node(subject) else { return Link::NONE };
+        let mut link = Link::SURE;
+        for (asked, subject_looks) in kinds.places() {
+            link =
+                link.and(self.robot_place(node, asked, subject_looks).map_or(Link::NONE, |p| p.1));
+        }
+        for &word in kinds.words() {
+            link = link.and(self.robot_word(node, word).unwrap_or(Link::NONE));
+        }
+        if kinds.is_with() {
+            link = link.and(self.robot_word(node, PairWord::Adjacent).unwrap_or(Link::NONE));
+        }
+        if kinds.has_labels() {
+            link = Link::NONE;
+        }
+        for others in kinds.between() {
+            link = link.and(self.between(subject, None, others));
+        }
+        link
+    }
+
+    /// Where the robot is for the subject, or the subject for the robot.
+    pub(crate) fn robot_place(
+        &self,
+        node: &Node,
+        asked: &Place,
+        subject_looks: bool,
+    ) -> Option<(SpatialRelation, Link)> {
+        let (found, view) = if subject_looks && !is_distance(asked) {
+            let found = robot_seen_by(node.center?, node.heading_rad?, self.lateral());
+            (found, self.person_view())
+        } else {
+            (self.seen_by_robot(node)?, self.robot_view())
+        };
+        let probability = place::probability(asked, &found, &view);
+        Some((found, Link { holds: place::truth(asked, &found).holds(), probability }))
+    }
+
+    /// Facing the robot has no limit of range; next to it is close to it. `None` where it is not known.
+    pub(crate) fn robot_word(&self, node: &Node, word: PairWord) -> Option<Link> {
+        let ahead = Place::Degrees { center: 0.0, half_width: self.config.facing_half_angle_deg };
+        let place = |asked: &Place, subject_looks| {
+            self.robot_place(node, asked, subject_looks).map(|(_, link)| link)
+        };
+        match word {
+            PairWord::Facing => place(&ahead, true),
+            PairWord::FacingEachOther => Some(place(&ahead, true)?.and(place(&ahead, false)?)),
+            PairWord::Adjacent => {
+                let near = place::interval(f64::NEG_INFINITY, self.config.close_m);
+                place(&Place::Metres(near), false)
+            }
+            PairWord::Overlapping
+            | PairWord::Hides
+            | PairWord::HiddenBy
+            | PairWord::SameDirection => None,
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! What every part of the search looks things up in.
+
+use std::borrow::Cow;
+use std::cell::OnceCell;
+
+use jrdb_graph::{BitSet, GraphIndex};
+use jrdb_types::query::{Category, Interval, Measure, Place, RelationKind};
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{LateralConvention, Node, Pattern, SpatialRelation};
+
+use crate::place::{Heading, View};
+use crate::{SearchConfig, group, ranked};
+
+/// A graph, how it is searched, and what was already found out about it.
+pub(crate) struct Searcher<'i, 'a> {
+    pub(crate) index: &'i GraphIndex<'a>,
+    pub(crate) config: SearchConfig,
+    group_sizes: OnceCell<Vec<Option<u32>>>,
+}
+
+impl<'i, 'a> Searcher<'i, 'a> {
+    pub(crate) fn new(index: &'i GraphIndex<'a>, config: &SearchConfig) -> Self {
+        Self { index, config: *config, group_sizes: OnceCell::new() }
+    }
+
+    /// The same graph under another policy.
+    pub(crate) fn with(&self, policy: MatchPolicy) -> Self {
+        Self::new(self.index, &self.config.with(policy))
+    }
+
+    pub(crate) fn lateral(&self) -> LateralConvention {
+        self.index.scene().lateral
+    }
+
+    /// What the robot sees with.
+    pub(crate) fn robot_view(&self) -> View<'_> {
+        View { lateral: self.lateral(), heading: Heading::OfRobot, config: &self.config }
+    }
+
+    /// What somebody of uncertain heading sees with.
+    pub(crate) fn person_view(&self) -> View<'_> {
+        View { heading: Heading::OfPerson, ..self.robot_view() }
+    }
+
+    /// The numbers of a kind; none for the robot, which is no node.
+    pub(crate) fn kind(&self, category: &Category) -> Cow<'i, BitSet> {
+        let size = self.index.size();
+        let people = self.index.columns().people();
+        match category {
+            Category::Person => Cow::Borrowed(people),
+            Category::Anything => Cow::Owned(BitSet::below(size, size)),
+            Category::Robot => Cow::Owned(BitSet::new(size)),
+            Category::Object => {
+                let mut objects = BitSet::below(size, size);
+                objects.subtract(people);
+                Cow::Owned(objects)
+            }
+            Category::Class(name) => {
+                let mut set = BitSet::new(size);
+                (0..size).filter(|&n| self.class(n) == Some(name)).for_each(|n| set.insert(n));
+                Cow::Owned(set)
+            }
+        }
+    }
+
+    /// Class of a thing: its category, or that of its id where nothing else is known.
+    fn class(&self, number: usize) -> Option<&'a str> {
+        let node = self.index.node(number);
+        node.map_or_else(
+            || self.index.id(number).map(|id| id.class.as_str()),
+            |node| Some(node.category.as_str()),
+        )
+    }
+
+    /// Those that match a pattern, its pick included, as the policy chooses.
+    pub(crate) fn resolve(&self, pattern: &Pattern) -> BitSet {
+        match self.config.policy {
+            MatchPolicy::Ranked => ranked::choice(self, pattern),
+            MatchPolicy::Strict | MatchPolicy::Majority => self.matches(pattern),
+        }
+    }
+
+    /// Where a node is, seen from the robot: the graph's words, and numbers from its centre where the words have none.
+    pub(crate) fn seen_by_robot(&self, node: &Node) -> Option<SpatialRelation> {
+        let Some([x, y, z]) = node.center else { return node.from_robot };
+        let words = node.from_robot.unwrap_or_default();
+        Some(SpatialRelation {
+            distance_m: words.distance_m.or_else(|| Some(x.hypot(y).hypot(z))),
+            bearing_rad: words.bearing_rad.or_else(|| Some(y.atan2(x))),
+            ..words
+        })
+    }
+
+    /// How many people somebody's group has.
+    pub(crate) fn group_size(&self, number: usize) -> Option<u32> {
+        let sizes = self.group_sizes.get_or_init(|| group::sizes(self.index, &self.config));
+        sizes.get(number).copied().flatten()
+    }
+
+    /// Whether enough is known of a thing's place to say that a relation does not hold. What is done with others is always known.
+    pub(crate) fn is_settled(&self, number: usize, kinds: &[RelationKind]) -> bool {
+        let only_deeds = kinds.iter().all(|kind| matches!(kind, RelationKind::Interaction(_)));
+        let is_placed = |node: &Node| node.center.is_some() || node.from_robot.is_some();
+        let row_says = |row| self.index.spatial(row).next().is_some();
+        only_deeds
+            || self.index.node(number).is_some_and(is_placed)
+            || row_says(self.index.outgoing(number))
+            || row_says(self.index.incoming(number))
+    }
+
+    /// The centre of a numbered node.
+    pub(crate) fn center(&self, number: usize) -> Option<[f64; 3]> {
+        self.index.node(number)?.center
+    }
+}
+
+/// A place that only tells how far.
+pub(crate) fn is_distance(place: &Place) -> bool {
+    matches!(place, Place::Distance(_) | Place::Metres(Interval { .. }))
+}
+
+/// The pattern that a measure speaks of.
+pub(crate) fn measured_pattern(measure: &Measure) -> Option<&Pattern> {
+    match measure {
+        Measure::DistanceTo(pattern) => Some(pattern),
+        _ => None,
+    }
+}

@@ -1,0 +1,323 @@
+//! Who matches, by sets of bits alone: no words, no probabilities, nothing allocated per candidate.
+
+use std::borrow::Cow;
+
+use jrdb_graph::BitSet;
+use jrdb_types::query::{Category, Place, RelationKind, Viewpoint};
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{Condition, Direction, DistanceWord, Pattern, Quantity, Related};
+
+use crate::link::{Kinds, Partner};
+use crate::measure::Comparison;
+use crate::place;
+use crate::searcher::Searcher;
+use crate::value::Truth;
+
+/// Numbers that fit into a majority's counter; more conditions than a question can have.
+const COUNTER_BITS: usize = 32;
+
+impl<'i> Searcher<'i, '_> {
+    /// Those that match a pattern: strictly under `strict`, else by the paper's two phases.
+    pub(crate) fn matches(&self, pattern: &Pattern) -> BitSet {
+        let found = self.unpicked(pattern);
+        pattern.pick.as_ref().map_or_else(|| found.clone(), |pick| self.pick(&found, pick))
+    }
+
+    fn unpicked(&self, pattern: &Pattern) -> BitSet {
+        let kind = self.kind(&pattern.category);
+        let (relations, attributes): (Vec<_>, Vec<_>) =
+            pattern.conditions.iter().partition(|condition| condition.is_relation());
+        let mut found = self.enough(&kind, &attributes);
+        for relation in relations {
+            found = self.yes(relation, &found).into_owned();
+        }
+        found
+    }
+
+    /// Those that satisfy all conditions, or more than half.
+    fn enough(&self, kind: &BitSet, conditions: &[&Condition]) -> BitSet {
+        let sets: Vec<Cow<'_, BitSet>> = conditions.iter().map(|c| self.yes(c, kind)).collect();
+        let mut found = kind.clone();
+        if self.config.policy == MatchPolicy::Strict || sets.len() <= 2 {
+            sets.iter().for_each(|set| found.intersect(set));
+        } else {
+            more_than_half(&mut found, &sets);
+        }
+        found
+    }
+
+    /// Those of `within` for which a condition holds; others may be in the set or not where a condition is an attribute.
+    fn yes(&self, condition: &Condition, within: &BitSet) -> Cow<'i, BitSet> {
+        if let Some((yes, _)) = self.column(condition) {
+            return Cow::Borrowed(yes);
+        }
+        let truth = |truth: &dyn Fn(usize) -> Truth| retained(within, |n| truth(n).holds());
+        Cow::Owned(match condition {
+            Condition::FromRobot(place) => truth(&|n| self.place_truth(n, place)),
+            Condition::GroupSize(quantity) => truth(&|n| self.group_truth(n, *quantity)),
+            Condition::Related(related) => self.related(related, within),
+            Condition::Compared(compared) => {
+                let comparison = Comparison::new(self, compared);
+                truth(&|n| comparison.truth(n))
+            }
+            Condition::Is(pattern) => {
+                let mut those = self.matches(pattern);
+                those.intersect(within);
+                those
+            }
+            Condition::Not(inner) => self.no(inner, within),
+            Condition::Any(parts) => {
+                let mut any = BitSet::new(within.size());
+                parts.iter().for_each(|part| any.unite(&self.yes(part, within)));
+                any.intersect(within);
+                any
+            }
+            Condition::All(parts) => {
+                let mut all = within.clone();
+                parts.iter().for_each(|part| all.intersect(&self.yes(part, within)));
+                all
+            }
+            // The columns have them.
+            Condition::Age(_)
+            | Condition::Gender(_)
+            | Condition::Race(_)
+            | Condition::Action(_) => BitSet::new(within.size()),
+        })
+    }
+
+    /// Those of `within` for which a condition is known not to hold.
+    fn no(&self, condition: &Condition, within: &BitSet) -> BitSet {
+        let mut no = within.clone();
+        if let Some((yes, known)) = self.column(condition) {
+            no.intersect(known);
+            no.subtract(yes);
+            return no;
+        }
+        let untruth = |truth: &dyn Fn(usize) -> Truth| retained(within, |n| truth(n) == Truth::No);
+        match condition {
+            Condition::FromRobot(place) => untruth(&|n| self.place_truth(n, place)),
+            Condition::GroupSize(quantity) => untruth(&|n| self.group_truth(n, *quantity)),
+            Condition::Related(related) => self.unrelated(related, within),
+            Condition::Compared(compared) => {
+                let comparison = Comparison::new(self, compared);
+                untruth(&|n| comparison.truth(n))
+            }
+            Condition::Is(pattern) => {
+                no.subtract(&self.matches(pattern));
+                no.subtract(&self.undecided(pattern));
+                no
+            }
+            Condition::Not(inner) => {
+                no.intersect(&self.yes(inner, within));
+                no
+            }
+            Condition::Any(parts) => {
+                parts.iter().for_each(|part| no.intersect(&self.no(part, within)));
+                no
+            }
+            Condition::All(parts) => {
+                let mut any = BitSet::new(within.size());
+                parts.iter().for_each(|part| any.unite(&self.no(part, within)));
+                any
+            }
+            Condition::Age(_)
+            | Condition::Gender(_)
+            | Condition::Race(_)
+            | Condition::Action(_) => BitSet::new(within.size()),
+        }
+    }
+
+    /// Those of a pattern's kind of which some condition is unknown.
+    fn undecided(&self, pattern: &Pattern) -> BitSet {
+        let kind = self.kind(&pattern.category);
+        let mut undecided = BitSet::new(kind.size());
+        for condition in &pattern.conditions {
+            let mut unknown = kind.clone().into_owned();
+            unknown.subtract(&self.yes(condition, &kind));
+            unknown.subtract(&self.no(condition, &kind));
+            undecided.unite(&unknown);
+        }
+        undecided
+    }
+
+    /// The sets that the index has ready: who has the value, and of whom it is known.
+    fn column(&self, condition: &Condition) -> Option<(&'i BitSet, &'i BitSet)> {
+        let columns = self.index.columns();
+        match condition {
+            Condition::Age(value) => Some(columns.age(*value)),
+            Condition::Gender(value) => Some(columns.gender(*value)),
+            Condition::Race(value) => Some(columns.race(*value)),
+            Condition::Action(value) => Some(columns.action(*value)),
+            Condition::FromRobot(Place::Distance(value)) => Some(columns.distance(*value)),
+            Condition::FromRobot(Place::Direction(value)) => Some(columns.direction(*value)),
+            _ => None,
+        }
+    }
+
+    /// Where a thing is for the robot.
+    pub(crate) fn place_truth(&self, number: usize, asked: &Place) -> Truth {
+        let found = self.index.node(number).and_then(|node| self.seen_by_robot(node));
+        found.map_or(Truth::Unknown, |found| place::truth(asked, &found))
+    }
+
+    pub(crate) fn group_truth(&self, number: usize, asked: Quantity) -> Truth {
+        Truth::of_known(self.group_size(number).map(|size| asked.holds(size as usize)))
+    }
+
+    fn related(&self, related: &Related, within: &BitSet) -> BitSet {
+        if let Some(found) = self.seen_by_one_edge(related, within) {
+            return found;
+        }
+        self.by_relation(related, within, Truth::Yes)
+    }
+
+    fn unrelated(&self, related: &Related, within: &BitSet) -> BitSet {
+        self.by_relation(related, within, Truth::No)
+    }
+
+    fn by_relation(&self, related: &Related, within: &BitSet, wanted: Truth) -> BitSet {
+        let partner = self.partner(&related.partner);
+        let kinds = Kinds::new(&related.kinds, |pattern| self.partner(pattern));
+        let mut scratch = Vec::new();
+        retained(within, |subject| {
+            let count = self.count_partners(subject, &kinds, &partner, &mut scratch);
+            self.relation_truth(subject, related, count) == wanted
+        })
+    }
+
+    fn partner<'q>(&self, pattern: &'q Pattern) -> Partner<'q> {
+        match pattern.category {
+            Category::Robot => Partner::Robot(pattern.conditions.is_empty()),
+            _ => Partner::Things { passed: self.matches(pattern), evaluated: None },
+        }
+    }
+
+    fn count_partners(
+        &self,
+        subject: usize,
+        kinds: &Kinds<'_>,
+        partner: &Partner<'_>,
+        scratch: &mut Vec<u32>,
+    ) -> usize {
+        match partner {
+            Partner::Robot(is_free) => {
+                usize::from(*is_free && self.robot_link(subject, kinds).holds)
+            }
+            Partner::Things { passed, .. } => {
+                self.possible_partners(subject, kinds, scratch);
+                let those = scratch.iter().map(|&other| other as usize);
+                let those = those.filter(|&other| passed.contains(other));
+                those.filter(|&other| self.link(subject, other, kinds).holds).count()
+            }
+        }
+    }
+
+    /// So many partners are as asked, or not; with none found it matters whether enough is known.
+    pub(crate) fn relation_truth(&self, subject: usize, related: &Related, count: usize) -> Truth {
+        if count == 0 && !self.is_settled(subject, &related.kinds) {
+            return Truth::Unknown;
+        }
+        Truth::of(related.quantity.holds(count))
+    }
+
+    /// "Has such a one in a direction (at a distance)", or "is in a direction of such a one": found in the index's runs.
+    fn seen_by_one_edge(&self, related: &Related, within: &BitSet) -> Option<BitSet> {
+        let is_plain =
+            related.quantity == Quantity::SOME && related.partner.category != Category::Robot;
+        let (direction, distance, viewpoint) = one_edge(&related.kinds).filter(|_| is_plain)?;
+        let passed = self.matches(&related.partner);
+        let sees = |number| self.index.seen(number, direction, distance);
+        if viewpoint == Viewpoint::Subject {
+            let any = |number| sees(number).iter().any(|&other| passed.contains(other as usize));
+            return Some(retained(within, any));
+        }
+        let mut found = BitSet::new(within.size());
+        for partner in passed.iter() {
+            sees(partner).iter().for_each(|&subject| found.insert(subject as usize));
+        }
+        found.intersect(within);
+        Some(found)
+    }
+}
+
+/// A direction in words, and a distance in words where one is asked, all seen from one side.
+fn one_edge(kinds: &[RelationKind]) -> Option<(Direction, Option<DistanceWord>, Viewpoint)> {
+    let (mut direction, mut distance, mut from) = (None, None, None);
+    for kind in kinds {
+        let RelationKind::Placed { place, viewpoint } = kind else { return None };
+        if *viewpoint == Viewpoint::Robot || from.is_some_and(|from| from != *viewpoint) {
+            return None;
+        }
+        from = Some(*viewpoint);
+        match place {
+            Place::Direction(word) if direction.is_none() => direction = Some(*word),
+            Place::Distance(word) if distance.is_none() => distance = Some(*word),
+            _ => return None,
+        }
+    }
+    Some((direction?, distance, from?))
+}
+
+fn retained(within: &BitSet, holds: impl FnMut(usize) -> bool) -> BitSet {
+    let mut kept = within.clone();
+    kept.retain(holds);
+    kept
+}
+
+/// Keeps those that are in more than half of the sets: 64 counters at once, one bit of each in a word.
+fn more_than_half(found: &mut BitSet, sets: &[Cow<'_, BitSet>]) {
+    let needed = sets.len() / 2 + 1;
+    let bits = (usize::BITS - sets.len().leading_zeros()) as usize;
+    let bits = bits.min(COUNTER_BITS);
+    for (place, word) in found.words_mut().iter_mut().enumerate() {
+        if *word == 0 {
+            continue;
+        }
+        let mut counters = [0_u64; COUNTER_BITS];
+        for set in sets {
+            let mut carry = set.words()[place];
+            for counter in &mut counters[..bits] {
+                (*counter, carry) = (*counter ^ carry, *counter & carry);
+            }
+        }
+        *word &= at_least(&counters[..bits], needed);
+    }
+}
+
+/// The counters that have reached a number.
+fn at_least(counters: &[u64], number: usize) -> u64 {
+    let (mut more, mut equal) = (0, u64::MAX);
+    for (bit, &counter) in counters.iter().enumerate().rev() {
+        if number >> bit & 1 == 1 {
+            equal &= counter;
+        } else {
+            more |= equal & counter;
+            equal &= !counter;
+        }
+    }
+    more | equal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counters_count_each_bit_on_its_own() {
+        let sets: Vec<BitSet> = (0..5)
+            .map(|set| {
+                let mut members = BitSet::new(70);
+                (set..70).for_each(|number| members.insert(number));
+                members
+            })
+            .collect();
+        for count in 3..=5 {
+            let sets: Vec<Cow<'_, BitSet>> = sets[..count].iter().map(Cow::Borrowed).collect();
+            let mut found = BitSet::below(70, 70);
+            more_than_half(&mut found, &sets);
+            // Number n is in n + 1 of the sets.
+            let first = found.iter().next();
+            assert_eq!((first, found.count()), (Some(count / 2), 70 - count / 2), "{count}");
+        }
+    }
+}
