@@ -2,7 +2,12 @@
 
 use std::fmt;
 
+use smallvec::{SmallVec, smallvec};
+
 const BITS: usize = u64::BITS as usize;
+
+/// Sets of up to 256 numbers, as most frames have them, need no memory of their own.
+const INLINE_WORDS: usize = 4;
 
 /// A set of numbers below a fixed size, 64 of them in a word.
 ///
@@ -17,15 +22,16 @@ const BITS: usize = u64::BITS as usize;
 /// ```
 #[derive(Clone, PartialEq, Eq, Default)]
 pub struct BitSet {
-    words: Vec<u64>,
+    words: SmallVec<[u64; INLINE_WORDS]>,
     size: usize,
 }
 
 impl BitSet {
     /// No number below `size`.
     #[must_use]
+    #[inline]
     pub fn new(size: usize) -> Self {
-        Self { words: vec![0; size.div_ceil(BITS)], size }
+        Self { words: smallvec![0; size.div_ceil(BITS)], size }
     }
 
     /// Every number below `count`, of those below `size`.
@@ -42,18 +48,21 @@ impl BitSet {
 
     /// How many numbers there could be.
     #[must_use]
+    #[inline]
     pub fn size(&self) -> usize {
         self.size
     }
 
     /// The words, lowest numbers first.
     #[must_use]
+    #[inline]
     pub fn words(&self) -> &[u64] {
         &self.words
     }
 
     /// The words, to be changed; bits at and beyond the size must stay 0.
     #[must_use]
+    #[inline]
     pub fn words_mut(&mut self) -> &mut [u64] {
         &mut self.words
     }
@@ -94,20 +103,24 @@ impl BitSet {
     }
 
     /// Adds those of another set.
+    #[inline]
     pub fn unite(&mut self, other: &Self) {
         self.combine(other, |mine, theirs| mine | theirs);
     }
 
     /// Keeps only those that another set has too.
+    #[inline]
     pub fn intersect(&mut self, other: &Self) {
         self.combine(other, |mine, theirs| mine & theirs);
     }
 
     /// Takes out those of another set.
+    #[inline]
     pub fn subtract(&mut self, other: &Self) {
         self.combine(other, |mine, theirs| mine & !theirs);
     }
 
+    #[inline]
     fn combine(&mut self, other: &Self, with: impl Fn(u64, u64) -> u64) {
         for (mine, &theirs) in self.words.iter_mut().zip(&other.words) {
             *mine = with(*mine, theirs);

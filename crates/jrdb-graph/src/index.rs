@@ -4,6 +4,8 @@ mod adjacency;
 mod columns;
 mod ids;
 
+use std::sync::OnceLock;
+
 use jrdb_types::detection::PERSON;
 use jrdb_types::entity::Between;
 use jrdb_types::{
@@ -34,8 +36,11 @@ pub struct GraphIndex<'a> {
     ids: Ids<'a>,
     outside: Vec<&'a EntityId>,
     columns: Columns,
-    outgoing: Rows,
-    incoming: Rows,
+    /// Edges in the order of their ends.
+    ends: Vec<Ends>,
+    /// Made when they are first asked for: selections do without them.
+    outgoing: OnceLock<Rows>,
+    incoming: OnceLock<Rows>,
     runs: Runs,
     between: Vec<(u32, [u32; 2], &'a Between)>,
 }
@@ -60,10 +65,11 @@ impl<'a> GraphIndex<'a> {
                 columns.people_mut().insert(number);
             }
         }
-        let (outgoing, incoming, runs) = adjacency::arrange(scene, &ends, size);
-        let between = Vec::new();
+        let ends = adjacency::in_order(ends, size);
+        let runs = adjacency::runs(&ends, size);
+        let (outgoing, incoming, between) = Default::default();
         let mut index =
-            Self { scene, nodes, ids, outside, columns, outgoing, incoming, runs, between };
+            Self { scene, nodes, ids, outside, columns, ends, outgoing, incoming, runs, between };
         index.between = index.numbered_between();
         index
     }
@@ -97,6 +103,7 @@ impl<'a> GraphIndex<'a> {
 
     /// How many numbers there are: nodes and ends that are no nodes.
     #[must_use]
+    #[inline]
     pub fn size(&self) -> usize {
         self.nodes.len() + self.outside.len()
     }
@@ -133,6 +140,7 @@ impl<'a> GraphIndex<'a> {
 
     /// Who has which value.
     #[must_use]
+    #[inline]
     pub fn columns(&self) -> &Columns {
         &self.columns
     }
@@ -140,13 +148,15 @@ impl<'a> GraphIndex<'a> {
     /// Edges from a thing.
     #[must_use]
     pub fn outgoing(&self, number: usize) -> Row<'_> {
-        self.outgoing.row(number)
+        let rows = || adjacency::outgoing(&self.ends, self.size());
+        self.outgoing.get_or_init(rows).row(number)
     }
 
     /// Edges to a thing.
     #[must_use]
     pub fn incoming(&self, number: usize) -> Row<'_> {
-        self.incoming.row(number)
+        let rows = || adjacency::incoming(&self.ends, self.size());
+        self.incoming.get_or_init(rows).row(number)
     }
 
     /// What an edge of a [`Row`] says.
@@ -197,7 +207,8 @@ fn ends<'a>(scene: &'a SceneGraph, ids: &Ids<'a>) -> (Vec<Ends>, Vec<&'a EntityI
         if to == NOWHERE {
             outside.push(&edge.to);
         }
-        ends.push(Ends { from, to, edge: place });
+        let code = adjacency::place_code(&edge.relation);
+        ends.push(Ends { from, to, edge: place, code });
     }
     outside.sort();
     outside.dedup();

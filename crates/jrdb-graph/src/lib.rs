@@ -3,7 +3,9 @@
 mod bits;
 mod build;
 mod index;
+mod timeless;
 
 pub use bits::BitSet;
 pub use build::{GraphConfig, Hidden, Pairs, build};
 pub use index::{Column, Columns, GraphIndex, Row};
+pub use timeless::make_timeless;

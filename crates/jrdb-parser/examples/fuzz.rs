@@ -59,7 +59,9 @@ fn main() -> ExitCode {
     while start.elapsed() < Duration::from_secs(seconds) {
         let text = any_text(&mut random, &sentences, &words);
         let viewpoint = *random.of(&[OfPerson::Own, OfPerson::Robot]);
-        if let Err(fault) = check(&text, &ParserConfig { viewpoint }) {
+        let config = ParserConfig { viewpoint };
+        let checked = std::panic::catch_unwind(|| check(&text, &config));
+        if let Err(fault) = checked.unwrap_or_else(|_| Err("a panic".into())) {
             eprintln!("{fault}, seed {seed}, text {texts}: {text:?}");
             return ExitCode::FAILURE;
         }
@@ -107,7 +109,7 @@ fn any_text(random: &mut Random, sentences: &[&str], words: &[&str]) -> String {
             let count = random.below(60);
             (0..count).map(|_| any_char(random)).collect()
         }
-        97..99 => random.of(sentences).repeat(1 + random.below(60)),
+        97..99 => (*random.of(sentences)).repeat(1 + random.below(60)),
         _ => {
             let count = 1 + random.below(400);
             let word = *random.of(words);

@@ -6,10 +6,11 @@ use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::vocab::PairWord;
 
 use crate::joined::excludes;
-use crate::joined::{all_of, any_of};
-use crate::lexicon::{Role, Roles};
+use crate::joined::{all_of, any_of, split_from};
+use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
 use crate::predicate::Behind;
+use crate::subject::identify;
 
 /// How much of what follows belongs to a thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -38,17 +39,23 @@ struct Course {
     /// "who" or "is" was read.
     is_clause: bool,
     predicates: usize,
+    /// The noun of the thing.
+    noun: Option<&'static Entry>,
 }
 
 /// Words that say nothing between predicates.
 const GLUE: Roles = Roles::of(&[Role::Filler, Role::Slash, Role::Exists]);
 
+/// What may begin a clause about what somebody else does.
+const OTHERS: Roles =
+    Roles::of(&[Role::The, Role::A, Role::Number, Role::Who, Role::Is, Role::Doing]);
+
 /// What ends the things said of any thing.
 const ENDS: Roles = Roles::of(&[Role::Than, Role::Order]);
 
 impl Parser<'_> {
-    /// Reads what is said of a thing into its conditions.
-    pub(crate) fn clauses(&mut self, pattern: &mut Pattern, scope: Scope) {
+    /// Reads what is said of a thing into its conditions; returns how many of them are not said in the clauses.
+    pub(crate) fn clauses(&mut self, pattern: &mut Pattern, scope: Scope) -> usize {
         let head = pattern.conditions.len();
         let mut course = Course {
             scope,
@@ -59,8 +66,10 @@ impl Parser<'_> {
             is_joined: false,
             is_clause: false,
             predicates: 0,
+            noun: self.last_noun,
         };
         while !self.is_end() && self.step(pattern, &mut course) {}
+        course.head
     }
 
     /// One predicate or joint; false when what is at hand belongs to somebody else.
@@ -79,6 +88,11 @@ impl Parser<'_> {
             Role::Has,
         ]);
         let roles = self.roles();
+        let is_first = course.predicates == 0 && !course.is_clause;
+        if is_first && roles.has_any(OTHERS) && self.done_by_another(pattern) {
+            course.predicates += 1;
+            return true;
+        }
         if roles.has_any(JOINTS)
             && let Some(goes_on) = self.joint(pattern, course)
         {
@@ -91,10 +105,7 @@ impl Parser<'_> {
             (false, Scope::Reduced) => Behind::Partner,
             (false, _) => Behind::Noun,
         };
-        if behind == Behind::Partner && self.is_told_of_him(self.at) {
-            return false;
-        }
-        if behind == Behind::Partner && self.is_said_of_people_only(pattern) {
+        if behind == Behind::Partner && self.is_said_of_subject(pattern) {
             return false;
         }
         if self.predicate(pattern, behind) {
@@ -169,6 +180,13 @@ impl Parser<'_> {
         self.copula(pattern, course)
     }
 
+    /// Whether what is at hand is said of the thing that this one is a partner of.
+    fn is_said_of_subject(&self, pattern: &Pattern) -> bool {
+        self.is_told_of_him(self.at)
+            || self.is_walk && self.is(Role::Towards)
+            || self.is_said_of_people_only(pattern)
+    }
+
     /// Whether what is at hand cannot be said of the partner, which is no person: "the man at the table holding a bag".
     fn is_said_of_people_only(&self, pattern: &Pattern) -> bool {
         const OF_PEOPLE: Roles = Roles::of(&[
@@ -199,8 +217,15 @@ impl Parser<'_> {
     fn copula(&mut self, pattern: &mut Pattern, course: &mut Course) -> Option<bool> {
         let roles = self.roles();
         let is_who = roles.has(Role::Who);
-        if course.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern)) {
+        if course.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern, course)) {
             return Some(false);
+        }
+        let is_asked = roles.has(Role::Is)
+            && !(is_who || course.is_clause || self.at + 1 == self.tokens.len());
+        if is_asked && course.scope == Scope::Top && pattern.pick.is_some() {
+            // "which of the two tallest is sitting": the two tallest of all, not of those who sit.
+            identify(pattern);
+            course.head = pattern.conditions.len();
         }
         if course.scope == Scope::Relative && course.predicates > 0 && !course.is_listed {
             return Some(false);
@@ -220,10 +245,14 @@ impl Parser<'_> {
         Some(true)
     }
 
-    /// "who" behind a table is said of somebody else.
-    fn is_who_of_another(&self, pattern: &Pattern) -> bool {
-        let is_personal = !self.roles().has_any(Roles::of(&[Role::Which, Role::The]));
-        is_personal && pattern.category != Category::Person
+    /// "who" behind a table is said of somebody else, and so is "who are" behind a woman.
+    fn is_who_of_another(&self, pattern: &Pattern, course: &Course) -> bool {
+        let roles = self.roles();
+        let is_personal = !roles.has_any(Roles::of(&[Role::Which, Role::The]));
+        let is_which = roles.has(Role::Which) && !roles.has(Role::The);
+        let is_person = pattern.category == Category::Person;
+        let agrees = course.noun.is_none_or(|noun| agree(noun.roles, self.roles_at(self.at + 1)));
+        is_personal && !is_person || is_which && is_person || !agrees
     }
 
     fn and(&mut self, pattern: &mut Pattern, course: &mut Course) -> bool {
@@ -258,7 +287,7 @@ impl Parser<'_> {
         if let Some(run) = course.run.filter(|_| is_word) {
             self.at += 1;
             self.word_alternative(pattern);
-            let parts = pattern.conditions.split_off(run);
+            let parts = split_from(&mut pattern.conditions, run);
             pattern.conditions.push(any_of(parts));
             return true;
         }
@@ -279,8 +308,12 @@ impl Parser<'_> {
             }
             return course.scope == Scope::Top;
         }
-        let second = all_of(pattern.conditions.split_off(length));
-        let first = all_of(pattern.conditions.split_off(course.group.min(length)));
+        if pattern.conditions.len() == length {
+            // Nothing of the alternative is known, and that is reported.
+            return true;
+        }
+        let second = all_of(split_from(&mut pattern.conditions, length));
+        let first = all_of(split_from(&mut pattern.conditions, course.group));
         pattern.conditions.push(any_of(vec![first, second]));
         course.run = None;
         true
@@ -297,10 +330,16 @@ impl Parser<'_> {
         let conditions = &mut pattern.conditions;
         let is_pair = before > 0 && conditions.len() == before + 1;
         if is_pair && excludes(&conditions[before - 1], &conditions[before]) {
-            let parts = conditions.split_off(before - 1);
+            let parts = split_from(conditions, before.saturating_sub(1));
             conditions.push(any_of(parts));
             let message = "nothing is both; read as one or the other".into();
             self.report(IssueKind::Ambiguous, start, self.at, message);
         }
     }
+}
+
+/// Whether a verb can be said of a noun: "are" of men, "is" of a man.
+fn agree(noun: Roles, verb: Roles) -> bool {
+    let has_both = |roles: Roles| roles.has(Role::Plural) == roles.has(Role::Singular);
+    has_both(noun) || has_both(verb) || noun.has(Role::Plural) == verb.has(Role::Plural)
 }

@@ -89,7 +89,7 @@ impl Parser<'_> {
     pub(crate) fn his(&mut self) {
         const HIS: Roles = Roles::of(&[Role::His, Role::Him]);
         self.at += 1;
-        while self.is(Role::Slash) && self.entry_at(self.at + 1).roles.has_any(HIS) {
+        while self.is(Role::Slash) && self.roles_at(self.at + 1).has_any(HIS) {
             self.at += 2;
         }
     }
@@ -99,11 +99,11 @@ impl Parser<'_> {
         const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
         const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Lacks]);
         let next = self.after(self.at, ARTICLES);
-        if !self.entry_at(next).roles.has_any(STRANGE) {
+        if !self.roles_at(next).has_any(STRANGE) {
             return None;
         }
         self.at = next;
-        self.report_unused();
+        self.report_stranger();
         let pattern = Pattern::of(Category::Anything);
         Some(Partner { pattern, ..Partner::default() })
     }
@@ -172,17 +172,17 @@ impl Parser<'_> {
         let is_person = |category: &Category| *category == Category::Person;
         let is_same = category.is_none_or(|c| is_person(c) == is_person(&last.category));
         let is_robots = last.category == Category::Robot;
-        let is_bare = has_article || noun == next;
+        let is_list = self.is_at(next, Role::Says) && self.is_at(self.at - 1, Role::Plural);
+        let is_bare = has_article || noun == next || is_list;
         is_bare && (is_same || is_robots) && !self.is_next_told_of_him()
     }
 
     /// The place of the noun that adjectives from `at` on lead to.
-    fn noun_at(&self, at: usize) -> Option<usize> {
-        if !self.entry_at(at).roles.has_any(NOUN_START) || !self.is_noun_ahead(at) {
+    pub(crate) fn noun_at(&self, at: usize) -> Option<usize> {
+        if !self.roles_at(at).has_any(NOUN_START) || !self.is_noun_ahead(at) {
             return None;
         }
-        (at..at + 9)
-            .find(|at| self.entry_at(*at).roles.has_any(Roles::of(&[Role::Noun, Role::One])))
+        (at..at + 9).find(|at| self.roles_at(*at).has_any(Roles::of(&[Role::Noun, Role::One])))
     }
 
     /// Whether "located to his" is at a place.
@@ -196,7 +196,8 @@ impl Parser<'_> {
         let start = self.at + 1;
         let next =
             self.after(start, Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]));
-        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Says);
+        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Says)
+            || self.is_at(next, Role::Says) && self.is_noun_ahead(next);
         (next > start || is_plain) && self.noun_at(next).is_some()
     }
 

@@ -70,7 +70,10 @@ impl Parser<'_> {
             self.reset(mark);
             return false;
         }
-        for partner in self.partners_of(pattern) {
+        let outer = std::mem::replace(&mut self.is_walk, !entry.says.is_empty());
+        let partners = self.partners_of(pattern);
+        self.is_walk = outer;
+        for partner in partners {
             push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
         }
         true
@@ -93,9 +96,12 @@ impl Parser<'_> {
             Role::Unknown,
             Role::Lacks,
             Role::Ordinal,
+            Role::My,
+            Role::Limit,
         ]);
         let mut at = self.at;
-        while self.entry_at(at).roles.has_any(FIRST) && !self.is_at(at, Role::Noun) {
+        let is_his = |at: usize| self.is_at(at, Role::His) && self.is_noun_ahead(at + 1);
+        while self.roles_at(at).has_any(FIRST) && !self.is_at(at, Role::Noun) || is_his(at) {
             at += 1;
             if at > self.at + 12 {
                 return false;
@@ -171,6 +177,11 @@ impl Parser<'_> {
             return true;
         }
         self.skip(Roles::of(&[Role::To, Role::With, Role::Filler]));
+        if !entry.says.is_empty() && self.is_side_at_hand() {
+            // "walking to the right of the table" is a place, not where somebody goes.
+            self.reset(mark);
+            return false;
+        }
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
             self.reset(mark);
@@ -181,13 +192,19 @@ impl Parser<'_> {
             } else {
                 return false;
             };
-            push_related(pattern, vec![kind.clone()], alone, Quantity::SOME);
+            push_related(pattern, entry.kinds(), alone, Quantity::SOME);
             return true;
         }
         for partner in partners {
-            push_related(pattern, vec![kind.clone()], partner.pattern, partner.quantity);
+            push_related(pattern, entry.kinds(), partner.pattern, partner.quantity);
         }
         true
+    }
+
+    /// "the right", "his left".
+    fn is_side_at_hand(&self) -> bool {
+        let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
+        self.is_at(self.after(self.at, articles), Role::Sector)
     }
 
     /// "between the man and the door", "between two adults".
@@ -211,7 +228,7 @@ impl Parser<'_> {
             }
             1 => {
                 let only = ends.remove(0).pattern;
-                (only.clone(), only)
+                (remembered(&only), only)
             }
             _ => {
                 self.reset(mark);

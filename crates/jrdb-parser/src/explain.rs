@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use jrdb_types::issue::IssueKind;
 use jrdb_types::{Issue, Query, Span};
 
 use crate::notation;
@@ -16,7 +17,7 @@ use crate::notation;
 /// = find person[female, distance=close]
 ///
 /// the femlae near me
-///     ^^^^^^ unknown word \"femlae\" read as \"female\"; did you mean \"female\"?
+///     ^^^^^^ unknown word \"femlae\" read as \"female\"
 /// ");
 /// ```
 #[must_use]
@@ -39,7 +40,8 @@ fn underline(out: &mut String, text: &str, issue: &Issue) {
     let carets = columns(&text[start..end.clamp(start, line_end)]);
     let marks = "^".repeat(carets.max(usize::from(issue.span.is_some())));
     let _ = write!(out, "\n{}\n{}{marks} {}", shown(line), " ".repeat(blanks), issue.message);
-    if let Some(suggestion) = &issue.suggestion {
+    let is_told = issue.kind == IssueKind::MisspelledWord;
+    if let Some(suggestion) = issue.suggestion.as_ref().filter(|_| !is_told) {
         let _ = write!(out, "; did you mean {suggestion:?}?");
     }
     out.push('\n');

@@ -3,6 +3,11 @@
 use jrdb_types::Condition;
 use jrdb_types::query::Place;
 
+/// Takes what was said from a place on. Alternatives may have joined conditions that stood before it: then it is nothing.
+pub(crate) fn split_from(conditions: &mut Vec<Condition>, from: usize) -> Vec<Condition> {
+    conditions.split_off(from.min(conditions.len()))
+}
+
 /// One condition that holds when all of these do.
 pub(crate) fn all_of(mut conditions: Vec<Condition>) -> Condition {
     match (conditions.len(), conditions.pop()) {
@@ -24,10 +29,11 @@ pub(crate) fn any_of(conditions: Vec<Condition>) -> Condition {
     for condition in conditions {
         match condition {
             Condition::Any(parts) => flat.extend(parts),
+            other if flat.contains(&other) => {}
             other => flat.push(other),
         }
     }
-    Condition::Any(flat)
+    if flat.len() == 1 { all_of(flat) } else { Condition::Any(flat) }
 }
 
 /// Makes one condition of the last and the one before it, when "or" is between them or nothing can be both.
@@ -38,7 +44,7 @@ pub(crate) fn join(conditions: &mut Vec<Condition>, length: usize, is_or: bool) 
     if !(is_or || excludes(&conditions[length - 1], &conditions[length])) {
         return;
     }
-    let parts = conditions.split_off(length - 1);
+    let parts = split_from(conditions, length.saturating_sub(1));
     conditions.push(any_of(parts));
 }
 

@@ -14,7 +14,9 @@ mod parser;
 mod place;
 mod predicate;
 mod question;
+mod shared;
 mod spot;
+mod subject;
 mod suggest;
 mod time;
 mod wh;
@@ -116,6 +118,17 @@ mod tests {
     fn unknown_fields_of_the_configuration_are_refused() {
         assert!(serde_json::from_str::<ParserConfig>(r#"{"viewpiont": "robot"}"#).is_err());
         assert_eq!(serde_json::from_str::<ParserConfig>("{}").unwrap(), ParserConfig::default());
+    }
+
+    #[test]
+    fn what_breaks_a_place_or_a_comparison_is_read_all_the_same() {
+        let own = ParserConfig::default();
+        let crowded = "front far 3 m left 2 o'clock close to the man";
+        assert!(read(crowded, &own).0.starts_with("find person["));
+        let compared = "are there more men than the tallest woman is is sitting";
+        assert!(read(compared, &own).0.starts_with("more person[male"));
+        let again = "sitting between the two women who are ".repeat(30);
+        assert!(read(&again, &own).0.len() < 20_000);
     }
 
     #[test]

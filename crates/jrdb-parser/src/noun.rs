@@ -1,12 +1,12 @@
 //! Noun phrases: "the two oldest women", "a young, White and male person".
 
-use jrdb_types::issue::IssueKind;
-use jrdb_types::query::{Category, Place, Quantity};
+use jrdb_types::query::{Category, Place, Quantity, RelationKind};
 use jrdb_types::{Condition, Direction, Pattern};
 
 use crate::joined::join;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
+use crate::place::related;
 
 /// A noun phrase.
 #[derive(Debug, Default)]
@@ -18,8 +18,12 @@ pub(crate) struct Thing {
     pub(crate) count: Option<(u32, usize)>,
     /// "second", with the place of the word.
     pub(crate) rank: Option<(u32, usize)>,
+    /// "last": the rank is from the other end.
+    pub(crate) is_last: bool,
     /// "all", "everyone".
     pub(crate) is_all: bool,
+    /// The place of its first word.
+    pub(crate) start: usize,
     /// "those" and nothing else.
     pub(crate) is_pronoun: bool,
 }
@@ -46,6 +50,8 @@ const BEFORE_NOUN: Roles = Roles::of(&[
     Role::Sector,
     Role::Lacks,
     Role::Unknown,
+    Role::Non,
+    Role::Last,
 ]);
 
 /// What can begin a noun phrase.
@@ -71,6 +77,8 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::Group,
     Role::Filler,
     Role::Between,
+    Role::Non,
+    Role::Last,
 ]);
 
 /// Words between a word and its noun at most.
@@ -83,15 +91,27 @@ impl Parser<'_> {
             return None;
         }
         let mark = self.mark();
-        let mut thing = Thing::default();
+        let mut thing = Thing { start: self.at, ..Thing::default() };
         self.determiners(&mut thing);
         let described = self.adjectives(&mut thing);
         if self.noun(&mut thing) || described {
             self.behind_noun(&mut thing);
+            self.owned(&mut thing);
             return Some(thing);
         }
         self.reset(mark);
         None
+    }
+
+    /// "'s bag" behind "the woman": the bag that is with her.
+    fn owned(&mut self, thing: &mut Thing) {
+        while self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Noun) {
+            self.at += 1;
+            let owner = std::mem::take(&mut thing.pattern);
+            self.noun(thing);
+            let with = related(vec![RelationKind::With], owner, Quantity::SOME);
+            thing.pattern.conditions.push(with);
+        }
     }
 
     fn determiners(&mut self, thing: &mut Thing) {
@@ -146,7 +166,7 @@ impl Parser<'_> {
     /// Whether a noun comes before anything that cannot stand before one.
     pub(crate) fn is_noun_ahead(&self, from: usize) -> bool {
         for at in from..from + LOOK_MAX {
-            let roles = self.entry_at(at).roles;
+            let roles = self.roles_at(at);
             if roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
                 return true;
             }
@@ -184,7 +204,11 @@ impl Parser<'_> {
             is_or = Some(self.is(Role::Or) || is_or == Some(true));
             self.at += 1;
         }
-        let says_plainly = |at: usize| self.is_at(at, Role::Says) && !self.is_at(at, Role::Action);
+        let says_plainly = |at: usize| {
+            let is_before_noun =
+                || self.is_noun_ahead(at + 1) || self.is_joint_of_adjectives(at + 1);
+            self.is_at(at, Role::Says) && (!self.is_at(at, Role::Action) || is_before_noun())
+        };
         let fits = says_plainly(self.at) || self.is(Role::Group) || self.is_noun_as_adjective();
         if is_or.is_some() && !fits {
             // Whatever follows the joint is no adjective: the caller steps back.
@@ -200,13 +224,13 @@ impl Parser<'_> {
         if entry.category != Some(Category::Person) || !entry.says.iter().all(is_age) {
             return false;
         }
-        if entry.says.is_empty() {
+        if entry.says.is_empty() || entry.roles.has(Role::Plural) {
             return false;
         }
         let joints = Roles::of(&[Role::Comma, Role::And, Role::Or]);
         let next = self.after(self.at + 1, joints);
         let is_joined = next > self.at + 1;
-        let roles = self.entry_at(next).roles;
+        let roles = self.roles_at(next);
         let is_person = self.entry_at(next).category == Some(Category::Person);
         let is_plain = roles.has(Role::Says) && !roles.has(Role::Action) && !roles.has(Role::Noun);
         if is_joined {
@@ -233,11 +257,20 @@ impl Parser<'_> {
             self.at += 1;
             return true;
         }
-        if roles.has(Role::Superlative) {
+        let is_compared = roles.has(Role::Comparative)
+            && (self.is_at(at + 1, Role::Of) || self.is_noun_ahead(at + 1));
+        if roles.has(Role::Superlative) || is_compared {
             return self.chosen(thing);
+        }
+        if roles.has(Role::Non) && self.is_at(at + 1, Role::Says) && self.is_noun_ahead(at + 1) {
+            let said = crate::joined::all_of(self.entry_at(at + 1).says.clone());
+            conditions.push(Condition::Not(Box::new(said)));
+            self.at += 2;
+            return true;
         }
         if let Some((rank, length)) = self.ordinal() {
             thing.rank = Some((rank, at));
+            thing.is_last = roles.has(Role::Last);
             self.at += length;
             return true;
         }
@@ -263,6 +296,16 @@ impl Parser<'_> {
         false
     }
 
+    /// "or walking people" behind "standing".
+    fn is_joint_of_adjectives(&self, at: usize) -> bool {
+        const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
+        let next = self.after(at, JOINTS);
+        next > at
+            && self.is_at(next, Role::Says)
+            && !self.is_at(next, Role::Noun)
+            && self.is_list_to_person(next)
+    }
+
     fn side_place(&self) -> Option<Place> {
         let sector = self.entry().sector.filter(|_| !self.is(Role::Of))?;
         Some(Place::Direction(Direction::level(sector)))
@@ -270,7 +313,9 @@ impl Parser<'_> {
 
     /// Adjectives stand before or without a noun; what a body does, only before it.
     fn is_adjective_here(&self) -> bool {
-        !self.is(Role::Action) || self.is_noun_ahead(self.at + 1)
+        !self.is(Role::Action)
+            || self.is_noun_ahead(self.at + 1)
+            || self.is_joint_of_adjectives(self.at + 1)
     }
 
     /// A rank and how many words tell it: "second", "2nd".
@@ -331,46 +376,5 @@ impl Parser<'_> {
             thing.quantity = Some(Quantity::NONE);
         }
         true
-    }
-
-    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
-    /// "the tallest".
-    fn behind_noun(&mut self, thing: &mut Thing) {
-        if thing.pattern.pick.is_some() {
-            self.behind_choice(thing);
-        }
-        let Some((rank, at)) = thing.rank.take() else { return };
-        let count = thing.count.take().map_or(1, |(count, _)| count);
-        if let Some(pick) = self.side_pick(rank, count) {
-            thing.pattern.pick = Some(pick);
-        } else if self.is(Role::Superlative) {
-            thing.pattern.pick = self.superlative(rank, count);
-        } else {
-            let message =
-                "in which order is not said: say \"from the left\" or \"tallest\"; not used";
-            self.report(IssueKind::UnknownWord, at, at + 1, message.into());
-        }
-    }
-
-    fn behind_choice(&mut self, thing: &mut Thing) {
-        use jrdb_types::query::Measure;
-        if self.is(Role::Of) && !self.is(Role::Sector) {
-            let mark = self.mark();
-            self.at += 1;
-            match self.deeper(Self::thing) {
-                Some(all) if all.pattern.pick.is_none() => {
-                    thing.pattern.category = all.pattern.category;
-                    thing.pattern.conditions.extend(all.pattern.conditions);
-                }
-                _ => self.reset(mark),
-            }
-        }
-        let Some(pick) = &mut thing.pattern.pick else { return };
-        let is_default = |p: &Pattern| p.category == Category::Robot;
-        if matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from))
-            && let Some(from) = self.told_from()
-        {
-            pick.measure = Measure::DistanceTo(Box::new(from));
-        }
     }
 }

@@ -8,6 +8,12 @@ use crate::parser::Parser;
 /// Numbers above this are no counts, seconds or metres of a scene.
 const NUMBER_MAX: f64 = 1e6;
 
+/// "half".
+const HALF: f64 = 0.5;
+
+/// Lengths are rounded to so many parts of a metre: six feet are 1.8288 m and no more digits.
+const PARTS_OF_M: f64 = 1e6;
+
 /// "3 metres away" means within so many metres of it.
 pub(crate) const ABOUT_M: f64 = 0.5;
 
@@ -22,9 +28,9 @@ impl Parser<'_> {
         }
         let (at, entry) = (self.at, self.entry());
         let Some(number) = entry.number else {
-            let number = self.word(at).parse().ok().filter(|number| *number <= NUMBER_MAX)?;
+            let number: f64 = self.word(at).parse().ok().filter(|number| *number <= NUMBER_MAX)?;
             self.at += 1;
-            return Some(number);
+            return Some(number + self.and_a_half());
         };
         self.at += 1;
         let ones = self
@@ -32,7 +38,15 @@ impl Parser<'_> {
             .number
             .filter(|ones| self.is(Role::Number) && number >= 20.0 && (1.0..10.0).contains(ones));
         self.at += usize::from(ones.is_some());
-        Some(number + ones.unwrap_or(0.0))
+        Some(number + ones.unwrap_or(0.0) + self.and_a_half())
+    }
+
+    /// "and a half" behind a number.
+    fn and_a_half(&mut self) -> f64 {
+        let half = self.after(self.at + 1, Roles::of(&[Role::A]));
+        let found = self.is(Role::And) && self.entry_at(half).number == Some(HALF);
+        self.at = if found { half + 1 } else { self.at };
+        if found { HALF } else { 0.0 }
     }
 
     /// A whole number.
@@ -122,6 +136,8 @@ impl Parser<'_> {
         } else {
             limit
         };
+        let is_article = self.is(Role::A) && self.is_at(self.at + 1, Role::Number);
+        self.at += usize::from(is_article && limit.is_some());
         let one = self.roles().has(Role::A) && self.is_at(self.at + 1, Role::Unit);
         let number = if one {
             self.at += 1;
@@ -131,7 +147,8 @@ impl Parser<'_> {
         };
         let unit = self.unit();
         let is_stretch = self.roles().has_any(TO) && self.is_at(self.at + 1, Role::Number);
-        let second = if is_stretch && (is_between || limit.is_none()) {
+        let is_within = limit == Some(Limit::AtMost) && !self.is(Role::Or);
+        let second = if is_stretch && (is_between || is_within || limit.is_none()) {
             self.at += 1;
             self.number()
         } else {
@@ -141,14 +158,16 @@ impl Parser<'_> {
             return None;
         }
         let unit = self.unit().or(unit)?;
+        let metres = |number: f64| rounded_m(number * unit);
+        let limit = if self.take(Role::Radius) { Some(Limit::AtMost) } else { limit };
         if let Some(second) = second {
-            let ends = [number * unit, second * unit];
+            let ends = [metres(number), metres(second)];
             return Some(Interval {
                 min: Some(ends[0].min(ends[1])),
                 max: Some(ends[0].max(ends[1])),
             });
         }
-        Some(limited_length(limit, number * unit))
+        Some(limited_length(limit, metres(number)))
     }
 
     fn unit(&mut self) -> Option<f64> {
@@ -156,6 +175,11 @@ impl Parser<'_> {
         self.at += usize::from(unit.is_some());
         unit
     }
+}
+
+/// A length without the noise of its last digits.
+pub(crate) fn rounded_m(metres: f64) -> f64 {
+    (metres * PARTS_OF_M).round() / PARTS_OF_M
 }
 
 fn limited_length(limit: Option<Limit>, metres: f64) -> Interval {

@@ -1,12 +1,17 @@
 //! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second from the left".
 
 use jrdb_types::issue::IssueKind;
-use jrdb_types::query::{Category, Compared, Interval, Measure, Order, Pick, Place};
+use jrdb_types::query::{
+    Category, Compared, Interval, Measure, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
+};
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Measured, Role, Roles};
+use crate::noun::Thing;
+use crate::number::rounded_m;
 use crate::parser::Parser;
+use crate::place::push_related;
 
 /// Words that may stand between "closest" or "second" and the place it is told from.
 const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);
@@ -28,7 +33,7 @@ fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
 impl Parser<'_> {
     /// "tallest", "closest to the door", with the rank and number said before.
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
-        let (measured, order) = self.entry().order.filter(|_| self.is(Role::Superlative))?;
+        let (measured, order) = self.entry().order?;
         self.at += 1;
         let from = if measured == Measured::Distance { self.told_from() } else { None };
         Some(Pick { measure: measure(measured, from), order, rank, count })
@@ -93,7 +98,7 @@ impl Parser<'_> {
         }
         let Some(than) = self.deeper(Self::party) else {
             self.report(
-                IssueKind::UnknownWord,
+                IssueKind::MisplacedWord,
                 start,
                 self.at,
                 "nothing to compare with, not used".into(),
@@ -120,12 +125,20 @@ impl Parser<'_> {
             self.report(IssueKind::NotInGraph, start, self.at, message);
             return true;
         }
-        let limit = metres.max.zip(metres.min).map(|(max, min)| f64::midpoint(min, max));
+        let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
         let metres = match order {
             Order::Least => Interval { min: None, max: limit },
             Order::Most => Interval { min: limit, max: None },
         };
-        pattern.conditions.push(Condition::FromRobot(Place::Metres(metres)));
+        let place = Place::Metres(metres);
+        self.take(Role::Side);
+        match self.told_from().filter(|from| from.category != Category::Robot) {
+            None => pattern.conditions.push(Condition::FromRobot(place)),
+            Some(from) => {
+                let kind = RelationKind::Placed { place, viewpoint: Viewpoint::Partner };
+                push_related(pattern, vec![kind], from, Quantity::SOME);
+            }
+        }
         true
     }
 
@@ -133,10 +146,58 @@ impl Parser<'_> {
     pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
         if pattern.pick.is_some() {
             let message = "only one order can be asked for, this one is not used".into();
-            self.report(IssueKind::UnknownWord, start, self.at, message);
+            self.report(IssueKind::MisplacedWord, start, self.at, message);
         } else {
             pattern.pick = Some(pick);
         }
         true
+    }
+
+    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
+    /// "the tallest".
+    pub(crate) fn behind_noun(&mut self, thing: &mut Thing) {
+        if thing.pattern.pick.is_some() {
+            self.behind_choice(thing);
+        }
+        let Some((rank, at)) = thing.rank.take() else { return };
+        let count = thing.count.take().map_or(1, |(count, _)| count);
+        let is_last = thing.is_last && self.is(Role::To);
+        if let Some(mut pick) = self.side_pick(rank, count) {
+            if is_last {
+                // "From the left" the last is the rightmost; "on the left" it is the leftmost.
+                pick.order = match pick.order {
+                    Order::Least => Order::Most,
+                    Order::Most => Order::Least,
+                };
+            }
+            thing.pattern.pick = Some(pick);
+        } else if self.is(Role::Superlative) {
+            thing.pattern.pick = self.superlative(rank, count);
+        } else {
+            let message =
+                "in which order is not said: say \"from the left\" or \"tallest\"; not used";
+            self.report(IssueKind::MisplacedWord, at, at + 1, message.into());
+        }
+    }
+
+    fn behind_choice(&mut self, thing: &mut Thing) {
+        if self.is(Role::Of) && !self.is(Role::Sector) {
+            let mark = self.mark();
+            self.at += 1;
+            match self.deeper(Self::thing) {
+                Some(all) if all.pattern.pick.is_none() => {
+                    thing.pattern.category = all.pattern.category;
+                    thing.pattern.conditions.extend(all.pattern.conditions);
+                }
+                _ => self.reset(mark),
+            }
+        }
+        let Some(pick) = &mut thing.pattern.pick else { return };
+        let is_default = |p: &Pattern| p.category == Category::Robot;
+        if matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from))
+            && let Some(from) = self.told_from()
+        {
+            pick.measure = Measure::DistanceTo(Box::new(from));
+        }
     }
 }

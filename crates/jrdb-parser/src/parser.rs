@@ -7,14 +7,17 @@ use jrdb_types::{Issue, Pattern, Span};
 use crate::ParserConfig;
 use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
 use crate::suggest::{Suggestion, suggest};
-use crate::words::{Token, tokenize};
+use crate::words::{SUGGESTIONS_MAX, Token, tokenize};
 
 /// How deep "left of a man who is left of a man who …" may go, two for each thing inside another: well within what the
 /// notation takes.
-const DEPTH_MAX: usize = 32;
+const DEPTH_MAX: usize = 16;
 
 /// How many issues a question has at most; the last spans all that follow.
 const ISSUES_MAX: usize = 64;
+
+/// Bytes of the longest stretch of words that a message quotes.
+const QUOTED_MAX: usize = 60;
 
 /// The words, the place among them, and what was found so far.
 pub(crate) struct Parser<'t> {
@@ -38,6 +41,12 @@ pub(crate) struct Parser<'t> {
     pub(crate) too_deep: Option<usize>,
     /// "doing" was read: the question is for actions.
     pub(crate) asks_doing: bool,
+    /// It is asked whether something is so: of all things that are joined with "and".
+    pub(crate) asks_several: bool,
+    /// How many subjects are asked about together: "are the man and the woman sitting".
+    pub(crate) subjects: Option<usize>,
+    /// A partner of a walk is read: "towards the door" behind it is where both go.
+    pub(crate) is_walk: bool,
 }
 
 /// A place to return to.
@@ -67,6 +76,9 @@ impl<'t> Parser<'t> {
             has_pronouns,
             too_deep: None,
             asks_doing: false,
+            asks_several: false,
+            subjects: None,
+            is_walk: false,
         }
     }
 
@@ -79,7 +91,11 @@ impl<'t> Parser<'t> {
     }
 
     pub(crate) fn roles(&self) -> Roles {
-        self.entry().roles
+        self.roles_at(self.at)
+    }
+
+    pub(crate) fn roles_at(&self, at: usize) -> Roles {
+        self.tokens.get(at).map_or_else(Roles::default, |token| token.roles)
     }
 
     pub(crate) fn is(&self, role: Role) -> bool {
@@ -87,7 +103,7 @@ impl<'t> Parser<'t> {
     }
 
     pub(crate) fn is_at(&self, at: usize, role: Role) -> bool {
-        self.entry_at(at).roles.has(role)
+        self.roles_at(at).has(role)
     }
 
     pub(crate) fn is_end(&self) -> bool {
@@ -107,7 +123,7 @@ impl<'t> Parser<'t> {
 
     /// The first place from `at` on whose word has none of the roles.
     pub(crate) fn after(&self, mut at: usize, roles: Roles) -> usize {
-        while self.entry_at(at).roles.has_any(roles) {
+        while self.roles_at(at).has_any(roles) {
             at += 1;
         }
         at
@@ -176,7 +192,7 @@ impl<'t> Parser<'t> {
                 IssueKind::NotInGraph,
                 at,
                 at + 1,
-                format!("{lacks} are not known here"),
+                format!("{lacks} are not known here, not used"),
             );
         }
         let span = self.span(at, at + 1);
@@ -184,18 +200,50 @@ impl<'t> Parser<'t> {
             return self.push_issue(Issue::at(IssueKind::UnknownWord, span, ""));
         }
         let word = self.word(at);
-        let issue = if entry.roles.has(Role::Unknown) {
-            let suggestion = suggest(word).map(|(Suggestion::Only(w) | Suggestion::Perhaps(w))| w);
-            let suggestion = suggestion.filter(|known| !known.eq_ignore_ascii_case(word));
-            let message = format!("unknown word {word:?}, not used");
-            Issue {
-                suggestion: suggestion.map(str::to_owned),
-                ..Issue::at(IssueKind::UnknownWord, span, message)
-            }
-        } else {
-            Issue::at(IssueKind::UnknownWord, span, format!("{word:?} fits nowhere here, not used"))
-        };
+        if !entry.roles.has(Role::Unknown) {
+            return self.report_misplaced(at);
+        }
+        let message = format!("unknown word {word:?}, not used");
+        let issue = Issue::at(IssueKind::UnknownWord, span, message);
         self.push_issue(issue);
+    }
+
+    /// Steps over a word that names a thing that is not known, with an issue.
+    pub(crate) fn report_stranger(&mut self) {
+        self.report_unused();
+        if let Some(issue) = self.issues.last_mut() {
+            issue.message = issue.message.replace(", not used", ", read as anything");
+        }
+    }
+
+    /// Adds what was probably meant to the unknown words that stay reported; looking it up is slow.
+    pub(crate) fn suggest(&mut self) {
+        let unknown = self.issues.iter_mut().filter(|issue| issue.kind == IssueKind::UnknownWord);
+        for issue in unknown.take(SUGGESTIONS_MAX) {
+            let word = issue.span.and_then(|span| self.text.get(span.start..span.end));
+            let known = word.and_then(suggest).map(Suggestion::word);
+            issue.suggestion = known.filter(|known| word != Some(known)).map(str::to_owned);
+        }
+    }
+
+    /// A known word that fits nowhere; one issue for all such words that follow each other.
+    fn report_misplaced(&mut self, at: usize) {
+        let mut span = self.span(at, at + 1);
+        let before = self.span(at.wrapping_sub(1), at).end;
+        let last = self.issues.last_mut().filter(|last| last.kind == IssueKind::MisplacedWord);
+        let last = last.filter(|last| at > 0 && last.span.is_some_and(|s| s.end == before));
+        if let Some(Span { start, .. }) = last.as_ref().and_then(|last| last.span) {
+            span.start = start;
+        }
+        let words = self.text.get(span.start..span.end).filter(|w| w.len() <= QUOTED_MAX);
+        let message = match words {
+            Some(words) => format!("{words:?} fits nowhere here, not used"),
+            None => "these words fit nowhere here, not used".into(),
+        };
+        match last {
+            Some(last) => (last.span, last.message) = (Some(span), message),
+            None => self.push_issue(Issue::at(IssueKind::MisplacedWord, span, message)),
+        }
     }
 
     /// Steps over something that no scene graph holds, with an issue; false when the word at hand is known.
@@ -219,13 +267,13 @@ pub(crate) fn has_known_word(text: &str) -> bool {
         Role::Who,
         Role::Which,
     ]);
-    tokenize(text, &mut Vec::new()).iter().any(|token| token.entry.roles.has_any(TELLING))
+    tokenize(text, &mut Vec::new()).iter().any(|token| token.roles.has_any(TELLING))
 }
 
 /// Whether there is a pronoun other than "his" of the benchmark's "his\her", which is the subject's.
 fn has_pronouns(tokens: &[Token]) -> bool {
-    let is_pronoun = |token: &Token| token.entry.roles.has_any(Roles::of(&[Role::His, Role::Him]));
-    let is_slash = |at: usize| tokens.get(at).is_some_and(|t| t.entry.roles.has(Role::Slash));
+    let is_pronoun = |token: &Token| token.roles.has_any(Roles::of(&[Role::His, Role::Him]));
+    let is_slash = |at: usize| tokens.get(at).is_some_and(|t| t.roles.has(Role::Slash));
     (0..tokens.len())
         .any(|at| is_pronoun(&tokens[at]) && !is_slash(at + 1) && !is_slash(at.wrapping_sub(1)))
 }

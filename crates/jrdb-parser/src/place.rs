@@ -2,10 +2,12 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Place, Quantity, Related, RelationKind, Viewpoint};
+use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
 use crate::OfPerson;
-use crate::coordination::Partner;
+use crate::coordination::{Partner, remembered};
+use crate::joined::any_of;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 use crate::predicate::Behind;
@@ -34,7 +36,7 @@ impl Parser<'_> {
     /// Whether the place that begins at `start` is the partner's: "standing with a woman on his left".
     fn is_at_his(&self, pattern: &Pattern, start: usize) -> bool {
         const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma, Role::Who, Role::Is]);
-        let is_direct = start > 0 && !self.entry_at(start - 1).roles.has_any(JOINTS);
+        let is_direct = start > 0 && !self.roles_at(start - 1).has_any(JOINTS);
         is_direct && matches!(pattern.conditions.last(), Some(Condition::Related(_)))
     }
 
@@ -58,7 +60,7 @@ impl Parser<'_> {
 
     fn owner_of_his(&mut self, start: usize) -> Pattern {
         const PRONOUN: Roles = Roles::of(&[Role::His, Role::Him]);
-        let at = (start..self.at).find(|at| self.entry_at(*at).roles.has_any(PRONOUN));
+        let at = (start..self.at).find(|at| self.roles_at(*at).has_any(PRONOUN));
         let found = self.antecedent(at.unwrap_or(start));
         if found.is_none() {
             let message = "nobody was spoken of before who can be meant; read as anybody".into();
@@ -117,25 +119,49 @@ impl Parser<'_> {
         is_without |= self.take(Role::Neither);
         let mut found = false;
         let length = pattern.conditions.len();
+        let mut is_or = false;
         while let Some(one) = self.one_possession(pattern) {
-            let is_negated = matches!(one, Condition::Not(_));
+            let is_negated = is_not(&one);
+            let is_placed = is_placed(&one);
+            // "No bag or phone" is neither.
+            is_without |= is_or && pattern.conditions.last().is_some_and(is_not);
             let condition =
                 if is_without && !is_negated { Condition::Not(Box::new(one)) } else { one };
-            pattern.conditions.push(condition);
+            match pattern.conditions.pop_if(|_| found && is_or && !is_without) {
+                Some(first) => pattern.conditions.push(any_of(vec![first, condition])),
+                None => pattern.conditions.push(condition),
+            }
             found = true;
             let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
             if !is_more || !self.is_thing_next() || self.is_next_told_of_him() {
                 break;
             }
             if pattern.conditions.len() - length == 1 && self.is_person_next() {
-                break;
+                let goes_on = is_placed && self.is_placed_person_next();
+                if !goes_on {
+                    break;
+                }
             }
+            is_or = self.is(Role::Or);
             self.at += 1;
         }
         if !found {
             self.reset(mark);
         }
         found
+    }
+
+    /// "a phone" behind "has the man".
+    pub(crate) fn possessed(&mut self, pattern: &mut Pattern) {
+        let one = self.one_possession(pattern);
+        pattern.conditions.extend(one);
+    }
+
+    /// "and a man on the right" behind "has a woman on the left".
+    fn is_placed_person_next(&self) -> bool {
+        const PERSON: Roles = Roles::of(&[Role::The, Role::A, Role::Says, Role::Noun]);
+        let next = self.after(self.at + 1, PERSON);
+        self.roles_at(next).has_any(Roles::of(&[Role::At, Role::To, Role::Sector, Role::Near]))
     }
 
     fn is_person_next(&self) -> bool {
@@ -151,7 +177,18 @@ impl Parser<'_> {
         let start = self.at;
         let mut thing = self.thing()?;
         let quantity = thing.how_many();
+        if self.is_facing_him() {
+            self.spoken = Some(remembered(pattern));
+        }
         while self.is_deed_of_partner() && self.deed(&mut thing.pattern) {}
+        if self.is_facing_him() {
+            self.relation(&mut thing.pattern);
+        }
+        if self.is(Role::With) && self.is_at(self.at + 1, Role::Him) {
+            // "has a dog with him" is no more than "has a dog".
+            self.at += 1;
+            self.his();
+        }
         let is_none = quantity == Quantity::NONE;
         let quantity = if is_none { Quantity::SOME } else { quantity };
         let kinds = self.where_it_is(&mut thing.pattern, pattern, start);
@@ -160,6 +197,14 @@ impl Parser<'_> {
         }
         let one = related(kinds, thing.pattern, quantity);
         Some(if is_none { Condition::Not(Box::new(one)) } else { one })
+    }
+
+    /// "facing him" behind "has somebody".
+    fn is_facing_him(&self) -> bool {
+        let facing = Some(RelationKind::Pair(PairWord::Facing));
+        self.is(Role::Relation)
+            && self.entry().relation == facing
+            && self.is_at(self.at + 1, Role::Him)
     }
 
     fn is_deed_of_partner(&self) -> bool {
@@ -193,7 +238,8 @@ impl Parser<'_> {
     fn beside_him(&mut self) -> Option<RelationKind> {
         let kind = self.entry().relation.as_ref().filter(|_| self.is(Role::Relation))?;
         let next = self.at + 1;
-        let is_pair = matches!(kind, RelationKind::Pair(_));
+        let is_pair =
+            matches!(kind, RelationKind::Pair(PairWord::Adjacent | PairWord::Overlapping));
         if !is_pair || !self.is_at(next, Role::Him) || self.is_noun_ahead(next + 1) {
             return None;
         }
@@ -226,6 +272,16 @@ impl Parser<'_> {
 
 fn from_robot(spot: &Spot, pattern: &mut Pattern) {
     pattern.conditions.extend(spot.places().map(Condition::FromRobot));
+}
+
+fn is_not(condition: &Condition) -> bool {
+    matches!(condition, Condition::Not(_))
+}
+
+/// Whether a relation tells where the partner is.
+fn is_placed(condition: &Condition) -> bool {
+    let Condition::Related(related) = condition else { return false };
+    matches!(related.kinds[..], [RelationKind::Placed { .. }, ..])
 }
 
 fn is_distance(place: Place) -> bool {

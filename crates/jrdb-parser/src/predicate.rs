@@ -3,7 +3,7 @@
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
-use crate::joined::{all_of, any_of};
+use crate::joined::{all_of, any_of, split_from};
 use crate::lexicon::{Role, Roles};
 use crate::noun::NOUN_START;
 use crate::parser::Parser;
@@ -100,7 +100,9 @@ impl Parser<'_> {
             self.asks_doing = true;
             return true;
         }
-        if roles.has(Role::Superlative) {
+        let is_the = roles.has(Role::The) && self.is_at(start + 1, Role::Superlative);
+        if roles.has(Role::Superlative) || is_the {
+            self.at += usize::from(is_the);
             return self.chosen_predicate(pattern, 1, start);
         }
         if roles.has(Role::Comparative) {
@@ -166,7 +168,7 @@ impl Parser<'_> {
         if pattern.conditions.len() == start {
             return true;
         }
-        let mut parts = vec![all_of(pattern.conditions.split_off(start))];
+        let mut parts = vec![all_of(split_from(&mut pattern.conditions, start))];
         while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
             let mark = self.mark();
             self.at += 1;
@@ -174,7 +176,7 @@ impl Parser<'_> {
                 self.reset(mark);
                 break;
             }
-            parts.push(all_of(pattern.conditions.split_off(start)));
+            parts.push(all_of(split_from(&mut pattern.conditions, start)));
         }
         let inner = if parts.len() == 1 { all_of(parts) } else { any_of(parts) };
         pattern.conditions.push(Condition::Not(Box::new(inner)));
@@ -192,7 +194,7 @@ impl Parser<'_> {
             if pattern.conditions.len() == length {
                 break;
             }
-            let inner = all_of(pattern.conditions.split_off(length));
+            let inner = all_of(split_from(&mut pattern.conditions, length));
             pattern.conditions.push(Condition::Not(Box::new(inner)));
         }
         let found = pattern.conditions.len() > start;

@@ -6,10 +6,11 @@ use jrdb_types::{Condition, Issue, Pattern, Query};
 
 use crate::clause::Scope;
 use crate::coordination::{either, remembered, set_count};
-use crate::joined::all_of;
+use crate::joined::{all_of, split_from};
 use crate::lexicon::{Role, Roles};
 use crate::noun::Thing;
 use crate::parser::Parser;
+use crate::shared::Part;
 
 /// What "describe" tells.
 const DESCRIPTION: [Property; 4] =
@@ -24,8 +25,11 @@ pub(crate) const COPULA: Roles = Roles::of(&[Role::Is, Role::Filler, Role::Doing
 /// Words between things that are asked for together.
 const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma]);
 
+/// What "all" without a noun may stand before.
+const EXCEPT: Roles = Roles::of(&[Role::Except, Role::But]);
+
 /// The thing asked for, and what was said of its number.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(crate) struct Target {
     pub(crate) pattern: Pattern,
     pub(crate) quantity: Option<Quantity>,
@@ -51,16 +55,21 @@ impl Parser<'_> {
                 "too many things inside each other; the rest is read apart from them".into();
             self.report(IssueKind::Ambiguous, at, at + 1, message);
         }
+        self.suggest();
         self.issues.sort_by_key(|issue| issue.span);
         Query { text: self.text.into(), task, target, slots: self.slots, issues: self.issues }
     }
 
-    fn asked(&mut self) -> (Task, Pattern) {
+    pub(crate) fn asked(&mut self) -> (Task, Pattern) {
         self.skip(LEAD);
         self.addressed();
         let roles = self.roles();
-        if roles.has(Role::Lacks) && self.is_at(self.at + 1, Role::Is) {
+        let what = self.after(self.at, Roles::of(&[Role::The]));
+        let links = Roles::of(&[Role::Is, Role::Of]);
+        if self.is_at(what, Role::Lacks) && self.roles_at(what + 1).has_any(links) {
+            self.at = what;
             self.report_unused();
+            self.take(Role::Of);
             self.skip(COPULA);
             return (Task::Find, self.target().pattern);
         }
@@ -102,13 +111,22 @@ impl Parser<'_> {
         if roles.has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing, Role::Has])) {
             return self.exists();
         }
+        if roles.has(Role::If) {
+            return self.whether();
+        }
+        if roles.has_any(Roles::of(&[Role::More, Role::Fewer])) {
+            return self.compare_counts();
+        }
+        if roles.has(Role::Of) && !roles.has(Role::Sector) {
+            return self.among();
+        }
         self.named()
     }
 
     /// "Robot, ..." speaks to the robot, not of it.
     fn addressed(&mut self) {
         const NEXT: Roles = Roles::of(&[Role::Comma, Role::Find, Role::Which, Role::Count]);
-        if self.is(Role::Robot) && self.entry_at(self.at + 1).roles.has_any(NEXT) {
+        if self.is(Role::Robot) && self.roles_at(self.at + 1).has_any(NEXT) {
             self.at += 1;
             self.skip(LEAD);
         }
@@ -124,13 +142,12 @@ impl Parser<'_> {
             Role::Exists,
             Role::Find,
             Role::Describe,
+            Role::If,
         ]);
         self.at += 1;
         self.skip(Roles::of(&[Role::Filler, Role::To]));
-        let is_if = self.is(Role::Either);
-        self.at += usize::from(is_if);
         let roles = self.roles();
-        if is_if || roles.has_any(OPENERS) && !roles.has(Role::The) {
+        if roles.has_any(OPENERS) && !roles.has(Role::The) {
             return self.deeper(Self::asked);
         }
         if roles.has(Role::Asks) || roles.has(Role::The) && self.is_at(self.at + 1, Role::Asks) {
@@ -152,6 +169,23 @@ impl Parser<'_> {
             let message = format!("all that match are found, not only {count}");
             self.report(IssueKind::Ambiguous, at, at + 1, message);
         }
+    }
+
+    /// "of the people near the door, who is the tallest?"
+    fn among(&mut self) -> (Task, Pattern) {
+        let mark = self.mark();
+        self.at += 1;
+        let all = self.thing().map(|thing| self.with_modifiers(thing.pattern, thing.count));
+        self.take(Role::Comma);
+        let (Some(all), false) = (all, self.is_end()) else {
+            self.reset(mark);
+            return self.named();
+        };
+        let (task, mut target) = self.deeper(Self::asked);
+        let fits = matches!(target.category, Category::Person | Category::Anything);
+        target.category = if fits { all.category } else { target.category };
+        target.conditions.splice(0..0, all.conditions);
+        (task, target)
     }
 
     /// A question without a question word: "the man near the table", "exactly three people sitting".
@@ -181,10 +215,14 @@ impl Parser<'_> {
             let pattern = self.pronoun().unwrap_or_default();
             return Thing { pattern, ..Thing::default() };
         }
+        if self.is(Role::All) && self.roles_at(self.at + 1).has_any(EXCEPT) {
+            self.at += 1;
+            return Thing::default();
+        }
         let next = self.after(self.at, Roles::of(&[Role::The, Role::A]));
         if next > self.at && self.is_at(next, Role::Unknown) {
             self.at = next;
-            self.report_unused();
+            self.report_stranger();
             let pattern = Pattern::of(Category::Anything);
             return Thing { pattern, ..Thing::default() };
         }
@@ -194,8 +232,8 @@ impl Parser<'_> {
     /// Reads what is said behind the noun, and alternatives: "the man or the woman next to him".
     pub(crate) fn finish(&mut self, thing: Thing) -> Target {
         let mut pattern = thing.pattern;
-        let head = pattern.conditions.len();
-        self.clauses(&mut pattern, Scope::Top);
+        let (start, told) = (thing.start, self.at);
+        let head = self.clauses(&mut pattern, Scope::Top);
         if self.is_timed {
             self.close_slot(&mut pattern, head);
         }
@@ -203,21 +241,38 @@ impl Parser<'_> {
         if self.is(Role::Comma) && pattern.pick.is_some() {
             self.choice(&mut pattern);
         }
-        let mut things = vec![pattern];
-        while self.roles().has_any(JOINTS) && self.is_thing_next() {
-            self.at += 1;
-            if self.has_pronouns {
-                self.spoken = things.last().map(remembered);
-            }
-            let Some(next) = self.thing() else { break };
-            let mut pattern = next.pattern;
-            self.clauses(&mut pattern, Scope::Top);
-            set_count(&mut pattern, next.count);
-            things.push(pattern);
-        }
-        let pattern = either(things);
+        let pattern = if self.roles().has_any(JOINTS) && self.is_thing_next() {
+            self.others(Part { pattern, head, start, told, is_joined: true })
+        } else {
+            pattern
+        };
         let Thing { quantity, count, is_all, .. } = thing;
         Target { pattern, quantity, count, is_all, head }
+    }
+
+    /// Reads the others of "the man, the woman and the child".
+    fn others(&mut self, first: Part) -> Pattern {
+        let (start, mut is_list) = (self.at, true);
+        let mut parts = vec![first];
+        while self.roles().has_any(JOINTS) && self.is_thing_next() {
+            let is_joined = !self.is(Role::Or);
+            is_list &= self.is(Role::Comma) && !self.roles_at(self.at + 1).has_any(JOINTS);
+            self.at += 1;
+            if self.has_pronouns {
+                self.spoken = parts.last().map(|part| remembered(&part.pattern));
+            }
+            let start = self.at;
+            let Some(Thing { mut pattern, count, .. }) = self.thing() else { break };
+            let (head, told) = (pattern.conditions.len(), self.at);
+            self.clauses(&mut pattern, Scope::Top);
+            set_count(&mut pattern, count);
+            parts.push(Part { pattern, head, start, told, is_joined });
+        }
+        if is_list {
+            let message = "read as a list of things, each of which is meant".into();
+            self.report(IssueKind::Ambiguous, start, self.at, message);
+        }
+        self.one_of(parts)
     }
 
     /// ", the man or the woman" behind "which person is taller": from whom is chosen.
@@ -235,17 +290,41 @@ impl Parser<'_> {
 
     /// "is there a man", "are there more men than women", "is the man sitting".
     fn exists(&mut self) -> (Task, Pattern) {
+        let is_has = self.is(Role::Has);
         self.at += 1;
         self.skip(Roles::of(&[Role::Filler, Role::Doing]));
         if self.roles().has_any(Roles::of(&[Role::More, Role::Fewer])) {
             return self.compare_counts();
         }
-        let mut target = self.target();
-        let counted = target.count.map(|(count, _)| Quantity::at_least(count));
+        let is_definite = self.is(Role::The);
+        self.exist(is_definite, is_has)
+    }
+
+    /// "if anyone is sitting".
+    fn whether(&mut self) -> (Task, Pattern) {
+        self.at += 1;
+        self.skip(LEAD);
+        if self.roles().has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing])) {
+            return self.exists();
+        }
+        let is_definite = self.is(Role::The);
+        self.exist(is_definite, false)
+    }
+
+    fn exist(&mut self, is_definite: bool, is_has: bool) -> (Task, Pattern) {
+        self.asks_several = true;
+        let mut thing = self.target_thing();
+        if is_has && self.is(Role::A) {
+            self.possessed(&mut thing.pattern);
+        }
+        let is_told = is_definite || thing.is_all || thing.pattern.pick.is_some();
+        let mut target = if is_told { self.told_of(thing) } else { self.finish(thing) };
+        let subjects = self.subjects.and_then(|count| u32::try_from(count).ok());
+        let counted = target.count.map(|(count, _)| count).or(subjects).map(Quantity::at_least);
         let quantity = target.quantity.or(counted).unwrap_or_default();
         if target.is_all && target.pattern.conditions.len() > target.head {
             // All of them are, when none of them is not.
-            let told = all_of(target.pattern.conditions.split_off(target.head));
+            let told = all_of(split_from(&mut target.pattern.conditions, target.head));
             target.pattern.conditions.push(Condition::Not(Box::new(told)));
             return (Task::Exists(Quantity::NONE), target.pattern);
         }
@@ -262,7 +341,7 @@ impl Parser<'_> {
         let mut first = self.finish(thing);
         if !self.take(Role::Than) {
             let message = "more than what is not said, not used".into();
-            self.report(IssueKind::UnknownWord, start, start + 1, message);
+            self.report(IssueKind::MisplacedWord, start, start + 1, message);
             return (Task::Exists(Quantity::SOME), first.pattern);
         }
         self.skip(Roles::of(&[Role::Filler, Role::Is]));
@@ -270,7 +349,7 @@ impl Parser<'_> {
         let head = second.conditions.len();
         let second = self.finish(Thing { pattern: second, ..Thing::default() });
         if first.pattern.conditions.len() == first.head && second.head == head {
-            let told = second.pattern.conditions[head..].to_vec();
+            let told = second.pattern.conditions.get(head..).unwrap_or_default().to_vec();
             first.pattern.conditions.extend(told);
         }
         let than = Box::new(second.pattern);

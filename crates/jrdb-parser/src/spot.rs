@@ -1,7 +1,7 @@
 //! The words of a place: "at a close distance to the front left of", "within 3 metres", "at your 2 o'clock".
 
 use jrdb_types::query::{Interval, Place};
-use jrdb_types::vocab::Elevation;
+use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Direction, DistanceWord, Pattern};
 
 use crate::coordination::Partner;
@@ -10,6 +10,9 @@ use crate::parser::Parser;
 
 /// Degrees between two hours of a clock's face.
 const HOUR_DEG: f64 = 30.0;
+
+/// The greatest angle to one side.
+const HALF_TURN_DEG: f64 = 180.0;
 
 /// "near" a thing: the benchmark's "close" and "very close", metres.
 const NEAR_M: f64 = DistanceWord::Close.bounds_m().1;
@@ -44,9 +47,29 @@ impl Spot {
         self.places.iter().copied().map_while(|place| place)
     }
 
+    /// Makes the side that was just read an angle to that side; false when it was no side.
+    fn turn(&mut self, degrees: f64) -> bool {
+        let last = self.places.iter_mut().rev().flatten().next();
+        let (Some(last), true) = (last, self.sided.is_some()) else { return false };
+        let center = match last {
+            Place::Direction(Direction { sector: Sector::Left, .. }) => degrees,
+            Place::Direction(Direction { sector: Sector::Right, .. })
+                if degrees < HALF_TURN_DEG =>
+            {
+                -degrees
+            }
+            Place::Direction(Direction { sector: Sector::Right, .. }) => degrees,
+            _ => return false,
+        };
+        *last = Place::Degrees { center: center + 0.0, half_width: HOUR_DEG / 2.0 };
+        true
+    }
+
     /// The places as they are meant beside a thing: "near a table" is at most 1.5 m from it, very close or close.
     pub(crate) fn loosen(&mut self) {
-        let Some(place) = self.loose.and_then(|at| self.places[at].as_mut()) else { return };
+        let Some(place) = self.loose.and_then(|at| self.places.get_mut(at)?.as_mut()) else {
+            return;
+        };
         match place {
             Place::Distance(DistanceWord::Close) => {
                 *place = Place::Metres(Interval { min: None, max: Some(NEAR_M) });
@@ -151,8 +174,7 @@ impl Parser<'_> {
 
     fn is_anchor_next(&self) -> bool {
         let next = self.after(self.at, Roles::of(&[Role::Side, Role::Relative]));
-        self.entry_at(next).roles.has_any(Roles::of(&[Role::Of, Role::To]))
-            && !self.is_place_at(next + 1)
+        self.roles_at(next).has_any(Roles::of(&[Role::Of, Role::To])) && !self.is_place_at(next + 1)
     }
 
     /// Another part of the same place, directly or behind "and"; a part with a thing of its own is another place.
@@ -182,6 +204,7 @@ impl Parser<'_> {
     fn part(&mut self, spot: &mut Spot, anchor: &mut Anchor) -> bool {
         let mark = self.mark();
         self.skip(LEAD);
+        let degrees = self.degrees();
         let is_of = self.is(Role::Side) && self.is_at(self.at + 1, Role::Of);
         self.at += if is_of { 2 } else { 0 };
         if self.is(Role::My) {
@@ -193,12 +216,29 @@ impl Parser<'_> {
         } else if let Some(owner) = self.owner() {
             *anchor = Anchor::Own(owner);
         }
-        if self.value(spot) {
+        if self.value(spot) && degrees.is_none_or(|degrees| spot.turn(degrees)) {
             return true;
         }
         *anchor = Anchor::Unsaid;
         self.reset(mark);
         false
+    }
+
+    /// "30 degrees" before "to the left".
+    fn degrees(&mut self) -> Option<f64> {
+        let start = self.after(self.at, Roles::of(&[Role::Limit]));
+        if !self.is_at(start, Role::Number) {
+            return None;
+        }
+        let mark = self.mark();
+        self.at = start;
+        let degrees = self.number().filter(|degrees| *degrees <= HALF_TURN_DEG);
+        let found = degrees.filter(|_| self.take(Role::Degrees));
+        match found {
+            Some(_) => self.skip(LEAD),
+            None => self.reset(mark),
+        }
+        found
     }
 
     fn is_place_behind_his(&self) -> bool {
@@ -208,7 +248,7 @@ impl Parser<'_> {
 
     fn is_place_at(&self, at: usize) -> bool {
         let next = self.after(at, Roles::of(&[Role::The, Role::My, Role::His, Role::Slash]));
-        let roles = self.entry_at(next).roles;
+        let roles = self.roles_at(next);
         roles.has(Role::Sector) || roles.has(Role::Far) || self.is_at(next + 1, Role::Clock)
     }
 
@@ -302,7 +342,8 @@ impl Parser<'_> {
         let mark = self.mark();
         let had_of = self.had_of() || self.is_at(self.at.wrapping_sub(1), Role::Near);
         let is_joined = self.roles().has_any(Roles::of(&[Role::To, Role::Of, Role::Relative]));
-        if !had_of && !is_joined {
+        let is_another = !had_of && self.is(Role::Sector);
+        if !had_of && !is_joined || is_another {
             return Anchor::Unsaid;
         }
         if !had_of || self.roles().has_any(Roles::of(&[Role::Relative, Role::Of])) {
@@ -326,6 +367,10 @@ impl Parser<'_> {
             self.at = start;
             self.his();
             return Anchor::Him;
+        }
+        if self.take(Role::EachOther) {
+            let pattern = Pattern::of(subject.category.clone());
+            return Anchor::Things(vec![Partner { pattern, ..Partner::default() }]);
         }
         let mut partners = self.partners_of(subject);
         match partners.len() {

@@ -11,6 +11,15 @@ pub(crate) enum Suggestion {
     Perhaps(&'static str),
 }
 
+impl Suggestion {
+    /// The word, sure or not.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Only(word) | Self::Perhaps(word) => word,
+        }
+    }
+}
+
 /// Letters of the longest word that is looked at; longer ones are no typos of ours.
 const LETTERS_MAX: usize = 24;
 
@@ -25,10 +34,16 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
         return None;
     }
     let allowed = if word.len() <= 5 { 1 } else { 2 };
+    let letters = letters(&word);
     let mut nearest: Option<(usize, &'static str)> = None;
     let mut ties = 0;
     for known in LEXICON.words() {
         if known.len().abs_diff(word.len()) > allowed || known.len() < LETTERS_MIN - 1 {
+            continue;
+        }
+        // An edit changes which letters there are by two at most.
+        let differ = letters ^ self::letters(known.as_bytes());
+        if differ.count_ones() as usize > 2 * allowed {
             continue;
         }
         let edits = edits(&word, known.as_bytes());
@@ -46,6 +61,11 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
         (1, 0) => Suggestion::Only(known),
         _ => Suggestion::Perhaps(known),
     })
+}
+
+/// Which letters a word has, one bit for each.
+fn letters(word: &[u8]) -> u32 {
+    word.iter().fold(0, |letters, byte| letters | 1 << (byte & 31))
 }
 
 /// Insertions, deletions, replacements and swaps of neighbours that turn one word into the other

@@ -4,12 +4,12 @@ use jrdb_types::Pattern;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Property, Quantity, RelationKind, Task};
 
-use crate::deed::bare_label;
 use crate::lexicon::{Role, Roles};
 use crate::noun::Thing;
 use crate::parser::Parser;
 use crate::place::related;
-use crate::question::COPULA;
+use crate::question::{COPULA, Target};
+use crate::subject::identify;
 
 impl Parser<'_> {
     /// "how far is the man", "which direction is he in".
@@ -23,6 +23,11 @@ impl Parser<'_> {
             self.far_from();
         }
         self.drop_stranded();
+        let mut thing = thing;
+        let is_deed = self.roles().has_any(Roles::of(&[Role::Action, Role::Deed]));
+        if thing.pattern.pick.is_some() && is_deed {
+            identify(&mut thing.pattern);
+        }
         let target = self.finish(thing);
         (Task::Which { properties, in_order: false }, target.pattern)
     }
@@ -45,8 +50,8 @@ impl Parser<'_> {
         const STRANDED: Roles = Roles::of(&[Role::At, Role::To, Role::With]);
         let last = self.tokens.len().wrapping_sub(1);
         let found = last > self.at.wrapping_sub(1)
-            && self.entry_at(last).roles.has_any(STRANDED)
-            && !self.entry_at(last).roles.has(Role::Deed);
+            && self.roles_at(last).has_any(STRANDED)
+            && !self.roles_at(last).has(Role::Deed);
         if found {
             self.tokens.pop();
         }
@@ -56,6 +61,7 @@ impl Parser<'_> {
     pub(crate) fn which(&mut self) -> (Task, Pattern) {
         let is_what = self.is(Role::What);
         self.at += 1;
+        let is_of = self.is(Role::Of);
         self.skip(Roles::of(&[Role::Of, Role::Filler]));
         while self.lacks() {}
         if self.is(Role::Asks) {
@@ -67,6 +73,9 @@ impl Parser<'_> {
             if self.is_at(next, Role::Asks) {
                 return self.properties();
             }
+            if self.roles().has_any(Roles::of(&[Role::Where, Role::Count])) {
+                return self.deeper(Self::asked);
+            }
             if is_what && !self.is(Role::Superlative) {
                 if let Some(thing) = self.thing() {
                     return self.what_is(thing);
@@ -76,9 +85,14 @@ impl Parser<'_> {
                     return self.what_is(thing);
                 }
             }
-        } else if let Some(thing) = self.thing() {
+        } else if let Some(mut thing) = self.thing() {
+            // "Of the two men" tells how many there are, not how many are chosen.
+            let among = thing.count.take_if(|_| is_of);
             let target = self.finish(thing);
             self.report_count(&target);
+            if target.pattern.pick.is_none() {
+                self.report_count(&Target { count: among, ..target.clone() });
+            }
             return (Task::Find, target.pattern);
         }
         let category = if is_what { Category::Anything } else { Category::Person };
@@ -93,9 +107,17 @@ impl Parser<'_> {
             let (properties, in_order) = self.property_list();
             return (Task::Which { properties, in_order }, self.finish(thing).pattern);
         }
+        let is_up_to = self.tokens.last().is_some_and(|last| last.entry.limit.is_some());
+        if is_up_to && !self.is_end() {
+            self.tokens.pop();
+            self.asks_doing = true;
+        }
         let label = self.last_deed();
-        self.drop_stranded();
+        let is_stranded = self.drop_stranded();
         let mut pattern = self.finish(thing).pattern;
+        if label.is_some() && pattern.pick.is_some() {
+            identify(&mut pattern);
+        }
         let is_deed = label.is_some();
         if let Some(label) = label {
             let kinds = vec![RelationKind::Interaction(label.clone())];
@@ -105,6 +127,7 @@ impl Parser<'_> {
         let property = match pattern.category {
             _ if self.asks_doing => Property::Action,
             _ if is_deed => Property::ObjectInteraction,
+            Category::Person if is_stranded => Property::ObjectsAround,
             Category::Person => Property::Action,
             _ => Property::Category,
         };
@@ -115,6 +138,14 @@ impl Parser<'_> {
     fn last_deed(&mut self) -> Option<&'static String> {
         let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.object.as_ref()?;
+        self.tokens.pop();
+        Some(label)
+    }
+
+    /// Takes "talking" off the end of "who is the man talking".
+    fn last_done_together(&mut self) -> Option<&'static String> {
+        let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
+        let label = last.people.as_ref()?;
         self.tokens.pop();
         Some(label)
     }
@@ -144,6 +175,9 @@ impl Parser<'_> {
             }
         }
         if self.take(Role::Between) {
+            if self.robot().is_some() && self.take(Role::And) {
+                return;
+            }
             let message = "only distances from the robot are told, not between two things".into();
             self.report(IssueKind::NotInGraph, start, self.at, message);
         }
@@ -172,7 +206,7 @@ impl Parser<'_> {
         if had_is {
             self.skip(COPULA);
         }
-        if self.is_end() {
+        if self.is_end() || had_is && self.sees() {
             return (Task::Find, Pattern::default());
         }
         let thing = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
@@ -183,18 +217,24 @@ impl Parser<'_> {
         let Some(thing) = thing.filter(|_| !self.is_told_of_him(self.at)) else {
             return self.who_does();
         };
-        let is_stranded = self.drop_stranded();
+        let done = if self.drop_stranded() { self.last_done_together() } else { None };
         let mut target = self.finish(thing);
-        let label = target.pattern.conditions.last().and_then(bare_label).map(str::to_owned);
-        if let (true, Some(label)) = (is_stranded, label) {
+        if let Some(label) = done {
             // "who is the man talking to": somebody who does it with him.
-            target.pattern.conditions.pop();
-            let kinds = vec![RelationKind::Interaction(label)];
+            let kinds = vec![RelationKind::Interaction(label.clone())];
             let partner = std::mem::take(&mut target.pattern);
             target.pattern.conditions.push(related(kinds, partner, Quantity::SOME));
         }
         self.report_count(&target);
         (Task::Find, target.pattern)
+    }
+
+    /// Steps over "are you looking at": the robot looks at all.
+    fn sees(&mut self) -> bool {
+        let is_sight = self.entry_at(self.at + 1).object.as_deref() == Some("looking at");
+        let found = self.is(Role::Robot) && is_sight;
+        self.at += if found { 2 } else { 0 };
+        found
     }
 
     /// "who is sitting", "who has a bag".

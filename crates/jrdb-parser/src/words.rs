@@ -3,7 +3,7 @@
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{Issue, Span};
 
-use crate::lexicon::{Entry, LEXICON, special};
+use crate::lexicon::{Entry, LEXICON, Roles, special};
 use crate::suggest::{Suggestion, suggest};
 
 /// A word, a number or a mark of the text.
@@ -21,12 +21,14 @@ pub(crate) struct Piece {
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Token {
     pub(crate) entry: &'static Entry,
+    /// The entry's: looked at more often than all else of it.
+    pub(crate) roles: Roles,
     pub(crate) start: usize,
     pub(crate) end: usize,
 }
 
 /// How many unknown words are compared with the lexicon; a text with more is no question.
-const SUGGESTIONS_MAX: usize = 20;
+pub(crate) const SUGGESTIONS_MAX: usize = 20;
 
 /// What a byte is to the text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -68,7 +70,8 @@ pub(crate) fn tokenize(text: &str, issues: &mut Vec<Issue>) -> Vec<Token> {
     while at < pieces.len() {
         let (entry, length) = LEXICON.longest(&pieces[at..]);
         let (start, end) = (pieces[at].start, pieces[at + length - 1].end);
-        tokens.push(Token { entry: LEXICON.entry(entry), start, end });
+        let entry = LEXICON.entry(entry);
+        tokens.push(Token { entry, roles: entry.roles, start, end });
         at += length;
     }
     tokens
@@ -81,7 +84,10 @@ pub(crate) fn pieces(text: &str, issues: &mut Vec<Issue>) -> Vec<Piece> {
     for mut piece in split(text) {
         if piece.word == special::UNKNOWN {
             let word = &text[piece.start..piece.end];
-            piece.word = number(word);
+            piece.word = LEXICON.first_word(&text.as_bytes()[piece.start..], word.len());
+            if piece.word == special::UNKNOWN && !word.is_ascii() {
+                piece.word = LEXICON.word(&word.replace('’', "'"));
+            }
             if piece.word == special::UNKNOWN && suggestions < SUGGESTIONS_MAX {
                 suggestions += 1;
                 piece.word = corrected(word, piece, issues);
@@ -92,19 +98,11 @@ pub(crate) fn pieces(text: &str, issues: &mut Vec<Issue>) -> Vec<Piece> {
     pieces
 }
 
-fn number(word: &str) -> u16 {
-    let found = LEXICON.word(word);
-    if found == special::UNKNOWN && !word.is_ascii() {
-        return LEXICON.word(&word.replace('’', "'"));
-    }
-    found
-}
-
 fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
     let Some(Suggestion::Only(known)) = suggest(word) else { return special::UNKNOWN };
     let span = Span { start: piece.start, end: piece.end };
     let message = format!("unknown word {word:?} read as {known:?}");
-    let issue = Issue::at(IssueKind::UnknownWord, span, message);
+    let issue = Issue::at(IssueKind::MisspelledWord, span, message);
     issues.push(Issue { suggestion: Some(known.to_owned()), ..issue });
     LEXICON.word(known)
 }
@@ -112,11 +110,17 @@ fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
 /// The pieces of a text. Words are runs of letters and apostrophes, but `'s` and `'re` are words of their own;
 /// a hyphen between digits is a dash; every other mark only separates.
 pub(crate) fn split(text: &str) -> impl Iterator<Item = Piece> {
+    let bytes = text.as_bytes();
     let mut at = 0;
     std::iter::from_fn(move || {
-        while at < text.len() {
+        while at < bytes.len() {
+            // Nearly every separator is one.
+            if bytes[at] == b' ' {
+                at += 1;
+                continue;
+            }
             let start = at;
-            let (word, length) = piece(text.as_bytes(), text, at);
+            let (word, length) = piece(bytes, text, at);
             at += length;
             if let Some(word) = word {
                 return Some(Piece { word, start, end: at });
@@ -161,8 +165,26 @@ fn suffix(bytes: &[u8], at: usize) -> usize {
     if is_suffix { length } else { 0 }
 }
 
+/// Bytes that are looked at together; few words are longer.
+const CHUNK: usize = 16;
+
+/// How many ASCII letters and digits a text begins with, as far as its first [`CHUNK`] tells; 0 when it is shorter.
+fn plain_length(bytes: &[u8]) -> usize {
+    let Some(mut first) = bytes.first_chunk::<CHUNK>().copied() else { return 0 };
+    for byte in &mut first {
+        *byte = if byte.is_ascii_alphanumeric() { u8::MAX } else { 0 };
+    }
+    (u128::from_le_bytes(first).trailing_ones() / u8::BITS) as usize
+}
+
 fn word_length(bytes: &[u8], text: &str, start: usize) -> usize {
-    let mut at = start;
+    let plain = plain_length(&bytes[start..]);
+    let is_whole = bytes.get(start + plain) == Some(&b' ');
+    if is_whole { plain } else { word_end(bytes, text, start + plain) - start }
+}
+
+/// Where the word ends that goes on at a place, if it does.
+fn word_end(bytes: &[u8], text: &str, mut at: usize) -> usize {
     while at < bytes.len() {
         at += match CLASSES[usize::from(bytes[at])] {
             Class::Letter | Class::Digit => 1,
@@ -175,7 +197,7 @@ fn word_length(bytes: &[u8], text: &str, start: usize) -> usize {
             _ => break,
         };
     }
-    at - start
+    at
 }
 
 fn number_length(bytes: &[u8], start: usize) -> usize {
@@ -201,6 +223,7 @@ fn wide(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
         '–' | '—' if at > 0 && is_digit(bytes, at - 1) && is_digit(bytes, at + length) => {
             (Some(special::DASH), length)
         }
+        '°' => (Some(special::UNKNOWN), length),
         _ if is_of_word(character) => (Some(special::UNKNOWN), word_length(bytes, text, at)),
         _ => (None, length),
     }

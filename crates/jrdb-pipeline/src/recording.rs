@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use jrdb_search::Pooling;
 use jrdb_types::{FrameId, Question, SceneGraph};
 
 use crate::frame::Asked;
@@ -38,8 +39,12 @@ pub(crate) fn ask(
         about
     };
     let each = recordings.iter().flat_map(|(name, outputs)| {
-        let graphs: Vec<SceneGraph> =
+        let mut graphs: Vec<SceneGraph> =
             outputs.iter().map(|(_, output)| output.graph.clone()).collect();
+        if config.search.pooling == Pooling::PerCondition {
+            // The benchmark's engine, whose edges carry no frame.
+            jrdb_graph::make_timeless(&mut graphs);
+        }
         about(name)
             .into_iter()
             .map(move |question| one(question, &graphs, config))

@@ -145,7 +145,8 @@ fn asked_text(text: &mut String, asked: &Asked, telling: &Telling) {
 }
 
 fn brief(text: &mut String, answer: &Answer) {
-    line(text, &format!("    answer  {}", reply(answer)));
+    let nearest = if jrdb_search::is_nearest_only(answer) { "nobody quite; nearest: " } else { "" };
+    line(text, &format!("    answer  {nearest}{}", reply(answer)));
     let selected: Vec<_> = answer.trace.iter().filter(|trace| trace.selected).collect();
     for trace in selected.iter().take(EXPLAINED_MAX).filter(|trace| !trace.checks.is_empty()) {
         line(text, &format!("            {}", why(trace)));

@@ -113,6 +113,26 @@ fn parse_shows_the_meaning_and_underlines_what_is_open() {
 }
 
 #[test]
+fn a_question_about_time_is_asked_once_of_the_whole_recording() {
+    let (scene, out) = (Scene::new(), tempfile::tempdir().unwrap());
+    let question = "Find female persons who are during 0 to 0.07 seconds";
+    let folder = out.path().to_str().unwrap();
+    let ran = jrdb(&["run", "--scene", scene.root(), "--query", question, "--out", folder]);
+    assert_eq!((ran.code, ran.err.as_str()), (0, ""));
+    contains(&ran.out, &["two-people, all frames", "answer  #2", "in 2 of 2 frames"]);
+    assert_eq!(ran.out.matches(question).count(), 1);
+    let answer = std::fs::read_to_string(out.path().join("recording_01.json")).unwrap();
+    let answer: serde_json::Value = serde_json::from_str(&answer).unwrap();
+    let frames: Vec<_> = answer["data"]["slots"][0]["seen"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["frame"].clone())
+        .collect();
+    assert_eq!(frames, [0, 1]);
+}
+
+#[test]
 fn an_answer_says_why_not_and_what_would_change_it() {
     let scene = Scene::new();
     let question = ["run", "--scene", scene.root(), "--query", "Find the female on my left"];

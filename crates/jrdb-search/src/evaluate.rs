@@ -48,6 +48,8 @@ pub(crate) struct Verdict {
     pub(crate) passed_attributes: bool,
     /// Every relation holds (the paper's phase 2).
     pub(crate) passed_relations: bool,
+    /// Whether it matches hangs on what is unknown: under `ranked`, whether strictly.
+    pub(crate) undecided: bool,
     /// Conditions that hold, those of the witnesses included.
     pub(crate) satisfied: u32,
     /// Product of the probabilities of the conditions, as believed.
@@ -62,6 +64,7 @@ impl Verdict {
     const OTHER_KIND: Self = Self {
         passed_attributes: false,
         passed_relations: false,
+        undecided: false,
         satisfied: 0,
         probability: 0.0,
         ranking: 0.0,
@@ -120,23 +123,43 @@ impl Searcher<'_, '_> {
 
     fn verdict(&self, columns: &[Column<'_>], number: usize) -> Verdict {
         let all = Value::all(columns.iter().map(|column| column.values[number]));
-        let (mut attributes, mut held, mut satisfied, mut passed_relations) = (0, 0, 0, true);
+        let satisfied = columns.iter().map(|column| column.values[number].satisfied).sum();
+        let [passed_attributes, passed_relations] = self.phases(columns, number, Truth::Yes);
+        let undecided = match self.config.policy {
+            MatchPolicy::Ranked => all.truth == Truth::Unknown,
+            _ => {
+                !(passed_attributes && passed_relations)
+                    && self.phases(columns, number, Truth::Unknown) == [true; 2]
+            }
+        };
+        Verdict {
+            passed_attributes,
+            passed_relations,
+            undecided,
+            satisfied,
+            probability: all.probability,
+            ranking: all.ranking,
+            uncertain: all.uncertain,
+        }
+    }
+
+    /// Whether enough attributes and all relations are at least so true.
+    fn phases(&self, columns: &[Column<'_>], number: usize, least: Truth) -> [bool; 2] {
+        let (mut attributes, mut held, mut related) = (0, 0, true);
         for column in columns {
-            let value = &column.values[number];
-            satisfied += value.satisfied;
+            let holds = column.values[number].truth >= least;
             if column.condition.is_relation() {
-                passed_relations &= value.truth.holds();
+                related &= holds;
             } else {
                 attributes += 1;
-                held += u32::from(value.truth.holds());
+                held += u32::from(holds);
             }
         }
-        let passed_attributes = match self.config.policy {
+        let enough = match self.config.policy {
             MatchPolicy::Strict => held == attributes,
             MatchPolicy::Majority | MatchPolicy::Ranked => attributes == 0 || 2 * held > attributes,
         };
-        let (probability, ranking, uncertain) = (all.probability, all.ranking, all.uncertain);
-        Verdict { passed_attributes, passed_relations, satisfied, probability, ranking, uncertain }
+        [enough, related]
     }
 
     fn column_of<'q>(&self, condition: &'q Condition, within: &BitSet) -> Column<'q> {
@@ -212,7 +235,10 @@ impl Searcher<'_, '_> {
         }
         let evaluated = self.evaluate(pattern);
         let passed = evaluated.passed.clone();
-        Partner::Things { passed, evaluated: Some(Box::new(evaluated)) }
+        let mut undecided = evaluated.kind.clone();
+        undecided.retain(|number| evaluated.verdicts[number].undecided);
+        undecided.subtract(&passed);
+        Partner::Things { passed, undecided, evaluated: Some(Box::new(evaluated)) }
     }
 
     fn relation_column<'q>(
@@ -229,28 +255,19 @@ impl Searcher<'_, '_> {
             values[subject] = match &partner {
                 Partner::Robot(is_free) => {
                     let link = if *is_free { self.robot_link(subject, &kinds) } else { Link::NONE };
-                    self.robot_value(subject, related, link)
+                    robot_value(related, link)
                 }
-                Partner::Things { passed, evaluated } => {
+                Partner::Things { evaluated, .. } => {
                     self.possible_partners(subject, &kinds, &mut scratch);
                     let of = |other: usize| {
                         let those = evaluated.as_ref().filter(|e| e.kind.contains(other))?;
                         Some((those.verdicts[other], those.probabilities(other)))
                     };
-                    self.relation_value(subject, related, &kinds, &scratch, passed, of)
+                    self.relation_value(subject, related, &kinds, &scratch, &partner, of)
                 }
             };
         }
         Column { condition, values, inner: Inner::Relation { kinds, partner } }
-    }
-
-    fn robot_value(&self, subject: usize, related: &Related, link: Link) -> Value {
-        let Link { holds, probability } = link;
-        let truth = self.relation_truth(subject, related, usize::from(holds));
-        let quantity = related.quantity;
-        let p = of_count(std::iter::once(probability), quantity.at_least, quantity.at_most);
-        let p = if truth == Truth::Unknown { 0.0 } else { p };
-        Value { satisfied: u32::from(holds), ..Value::new(truth, p) }
     }
 
     /// How many partners there are, how probably as many as asked, and the best of them: one that holds before one that
@@ -261,30 +278,34 @@ impl Searcher<'_, '_> {
         related: &Related,
         kinds: &Kinds<'_>,
         possible: &[u32],
-        passed: &BitSet,
+        partner: &Partner<'_>,
         verdict: impl Fn(usize) -> Option<(Verdict, [f64; 2])>,
     ) -> Value {
         let (mut count, mut uncertain) = (0, false);
+        let mut perhaps = kinds.unseen(self, subject, partner, possible);
         let mut probabilities: Vec<[f64; 2]> = Vec::new();
         let mut best: Option<((bool, u32, bool, f64), u32)> = None;
         for &other in possible {
             let link = self.link(subject, other as usize, kinds);
             let Some((verdict, [believed, ranking])) = verdict(other as usize) else { continue };
-            let holds = link.holds && passed.contains(other as usize);
+            let truth = link.truth.min(partner.truth(other as usize));
+            let holds = truth.holds();
             count += usize::from(holds);
+            perhaps += usize::from(truth == Truth::Unknown);
             uncertain |= verdict.uncertain;
             probabilities.push([link.probability * believed, link.probability * ranking]);
-            let satisfied = u32::from(link.holds) + verdict.satisfied;
-            let rank = (holds, satisfied, link.holds, link.probability * believed);
+            let is_linked = link.truth.holds();
+            let satisfied = u32::from(is_linked) + verdict.satisfied;
+            let rank = (holds, satisfied, is_linked, link.probability * believed);
             if best.is_none_or(|(best, _)| rank > best) {
                 best = Some((rank, other));
             }
         }
-        let truth = self.relation_truth(subject, related, count);
+        let truth = Truth::of_count(related.quantity, count, perhaps);
         let quantity = related.quantity;
         let [probability, ranking] = [0, 1].map(|which| {
-            // Without anybody around and without a place nothing can be said.
-            if truth == Truth::Unknown && probabilities.is_empty() {
+            // Of what is unknown and not at all probable the contrary is not probable either.
+            if truth == Truth::Unknown && probabilities.iter().all(|p| p[which] == 0.0) {
                 return 0.0;
             }
             let each = probabilities.iter().map(|p| p[which]);
@@ -299,11 +320,20 @@ impl Searcher<'_, '_> {
     }
 }
 
+fn robot_value(related: &Related, link: Link) -> Value {
+    let Link { truth, probability } = link;
+    let [sure, perhaps] = [Truth::Yes, Truth::Unknown].map(|of| usize::from(truth == of));
+    let satisfied = u32::from(truth.holds());
+    let (quantity, truth) = (related.quantity, Truth::of_count(related.quantity, sure, perhaps));
+    let p = of_count(std::iter::once(probability), quantity.at_least, quantity.at_most);
+    let p = if truth == Truth::Unknown { 0.0 } else { p };
+    Value { satisfied, ..Value::new(truth, p) }
+}
+
 fn is_one_of(those: &Evaluated<'_>, number: usize) -> Value {
-    let unknown = those.columns.iter().any(|c| c.values[number].truth == Truth::Unknown);
     let truth = match those.passed.contains(number) {
         true => Truth::Yes,
-        false if unknown && those.kind.contains(number) => Truth::Unknown,
+        false if those.verdicts[number].undecided => Truth::Unknown,
         false => Truth::No,
     };
     let [probability, ranking] = those.probabilities(number);

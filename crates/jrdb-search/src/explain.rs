@@ -46,12 +46,18 @@ fn omitted(count: usize, limit: usize, what: &str, text: &mut String) {
 /// The reply in a sentence; when even those selected lack something, it says so.
 fn sentence(answer: &Answer, limit: usize) -> String {
     let reply = reply(answer, limit);
-    let lacks = |trace: &CandidateTrace| trace.checks.iter().any(|check| !check.holds);
-    let mut selected = answer.trace.iter().filter(|trace| trace.selected).peekable();
-    if selected.peek().is_some() && selected.all(lacks) {
+    if is_nearest_only(answer) {
         return format!("Nothing satisfies all that was asked; what comes nearest: {reply}");
     }
     reply
+}
+
+/// Whether everything selected lacks something that was asked: the answer is what comes nearest, not what was asked for.
+#[must_use]
+pub fn is_nearest_only(answer: &Answer) -> bool {
+    let lacks = |trace: &CandidateTrace| trace.checks.iter().any(|check| !check.holds);
+    let mut selected = answer.trace.iter().filter(|trace| trace.selected).peekable();
+    selected.peek().is_some() && selected.all(lacks)
 }
 
 fn reply(answer: &Answer, limit: usize) -> String {

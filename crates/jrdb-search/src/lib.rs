@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod attribute;
+mod between;
 mod config;
 mod describe;
 mod engine;
@@ -32,7 +33,7 @@ mod wording;
 pub use config::{Existentials, Pooling, SearchConfig, SlotOrder};
 pub use describe::describe;
 pub use engine::engine_sub_answer;
-pub use explain::explain;
+pub use explain::{explain, is_nearest_only};
 pub use frames::search_frames;
 pub use search::{search, search_indexed, select};
 pub use sensitivity::sensitivity;

@@ -3,25 +3,38 @@
 use jrdb_graph::BitSet;
 use jrdb_types::query::{Place, RelationKind, Viewpoint};
 use jrdb_types::vocab::PairWord;
-use jrdb_types::{EdgeRelation, Pattern, SpatialRelation};
+use jrdb_types::{EdgeRelation, Node, Pattern, SpatialRelation};
 
 use crate::evaluate::Evaluated;
-use crate::geometry::{along, beside};
+use crate::geometry::beside;
 use crate::place;
-use crate::probability::{certainty, of_offset};
+use crate::probability::certainty;
 use crate::searcher::{Searcher, is_distance};
+use crate::value::Truth;
 
 /// Which things may be a partner.
 pub(crate) enum Partner<'q> {
     /// The robot; not if anything is asked of it.
     Robot(bool),
     /// Things that match a pattern; with their probabilities where these are wanted.
-    Things { passed: BitSet, evaluated: Option<Box<Evaluated<'q>>> },
+    Things {
+        passed: BitSet,
+        /// Those of which it is not known.
+        undecided: BitSet,
+        evaluated: Option<Box<Evaluated<'q>>>,
+    },
 }
 
 impl Partner<'_> {
     pub(crate) fn passed(&self, number: usize) -> bool {
         matches!(self, Self::Things { passed, .. } if passed.contains(number))
+    }
+
+    pub(crate) fn truth(&self, number: usize) -> Truth {
+        match self {
+            Self::Things { undecided, .. } if undecided.contains(number) => Truth::Unknown,
+            _ => Truth::of(self.passed(number)),
+        }
     }
 
     /// Probabilities that it matches: as believed, and for the ranking.
@@ -50,25 +63,32 @@ pub(crate) struct Kinds<'q> {
 /// Whether something holds of a pair, and how probable that is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Link {
-    pub(crate) holds: bool,
+    pub(crate) truth: Truth,
     pub(crate) probability: f64,
 }
 
 impl Link {
-    pub(crate) const SURE: Self = Self { holds: true, probability: 1.0 };
-    pub(crate) const NONE: Self = Self { holds: false, probability: 0.0 };
+    pub(crate) const SURE: Self = Self { truth: Truth::Yes, probability: 1.0 };
+    pub(crate) const NONE: Self = Self { truth: Truth::No, probability: 0.0 };
+    pub(crate) const UNKNOWN: Self = Self { truth: Truth::Unknown, probability: 0.0 };
 
     pub(crate) fn of(holds: bool) -> Self {
         if holds { Self::SURE } else { Self::NONE }
     }
 
+    /// Something that holds or not, for sure, unless it is unknown.
+    pub(crate) fn certain(truth: Truth) -> Self {
+        Self { truth, probability: certainty(truth.holds()) }
+    }
+
     pub(crate) fn and(self, other: Self) -> Self {
-        Self { holds: self.holds && other.holds, probability: self.probability * other.probability }
+        let probability = self.probability * other.probability;
+        Self { truth: self.truth.min(other.truth), probability }
     }
 
     /// Whether it is the better one of two.
-    fn beats(self, other: Self) -> bool {
-        (self.holds, self.probability) > (other.holds, other.probability)
+    pub(crate) fn beats(self, other: Self) -> bool {
+        (self.truth, self.probability) > (other.truth, other.probability)
     }
 }
 
@@ -111,6 +131,23 @@ impl<'q> Kinds<'q> {
         &self.words
     }
 
+    /// How many things that are not on an edge of the subject may be its partners all the same: where nothing tells its place,
+    /// everything that it need not do something with.
+    pub(crate) fn unseen(
+        &self,
+        searcher: &Searcher<'_, '_>,
+        subject: usize,
+        partner: &Partner<'_>,
+        neighbors: &[u32],
+    ) -> usize {
+        if !self.is_local() || self.has_labels() || searcher.has_place(subject) {
+            return 0;
+        }
+        let others = (0..searcher.index.size())
+            .filter(|&other| other != subject && neighbors.binary_search(&(other as u32)).is_err());
+        others.filter(|&other| partner.truth(other) != Truth::No).count()
+    }
+
     pub(crate) fn has_labels(&self) -> bool {
         !self.labels.is_empty()
     }
@@ -151,25 +188,36 @@ impl Searcher<'_, '_> {
         for (places, outward) in [(&kinds.outward, true), (&kinds.inward, false)] {
             if !places.is_empty() {
                 let best = self.best_edge(subject, partner, places, outward);
-                link = link.and(best.map_or(Link::NONE, |(_, link)| link));
+                link = link.and(best.map_or_else(|| self.unsaid(subject), |(_, link)| link));
             }
         }
         for place in &kinds.beside {
-            link = link.and(self.beside(subject, partner, place).map_or(Link::NONE, |(_, l)| l));
+            let beside = self.beside(subject, partner, place);
+            link = link.and(beside.map_or_else(|| self.unplaced(subject), |(_, link)| link));
         }
         for &word in &kinds.words {
-            link = link.and(Link::of(self.has_word(subject, partner, word)));
+            link = link.and(Link::certain(self.word(subject, partner, word)));
         }
         for label in &kinds.labels {
             link = link.and(Link::of(self.does(subject, partner, label)));
         }
         if kinds.with {
-            link = link.and(Link::of(self.is_with(subject, partner)));
+            link = link.and(Link::certain(self.with_truth(subject, partner)));
         }
         for others in &kinds.between {
             link = link.and(self.between(subject, Some(partner), others));
         }
         link
+    }
+
+    /// Of what no edge says: it does not hold of a thing with a place, as graphs may leave out what is far.
+    pub(crate) fn unsaid(&self, subject: usize) -> Link {
+        if self.has_place(subject) { Link::NONE } else { Link::UNKNOWN }
+    }
+
+    /// Of what the centres do not tell: things without one are nowhere, but of a subject without one nothing is known.
+    pub(crate) fn unplaced(&self, subject: usize) -> Link {
+        if self.center(subject).is_some() { Link::NONE } else { Link::UNKNOWN }
     }
 
     /// The edge that fits best. A distance is the same both ways: it may be on either edge.
@@ -186,7 +234,7 @@ impl Searcher<'_, '_> {
         let best = |row| {
             let edges = self.index.spatial(row).map(|relation| {
                 let links = places.iter().map(|asked| Link {
-                    holds: place::truth(asked, relation).holds(),
+                    truth: place::truth(asked, relation),
                     probability: place::probability(asked, relation, &view),
                 });
                 (*relation, links.fold(Link::SURE, Link::and))
@@ -220,7 +268,7 @@ impl Searcher<'_, '_> {
     ) -> Option<(SpatialRelation, Link)> {
         let found = beside(self.center(subject)?, self.center(partner)?, self.lateral());
         let probability = place::probability(asked, &found, &self.robot_view());
-        Some((found, Link { holds: place::truth(asked, &found).holds(), probability }))
+        Some((found, Link { truth: place::truth(asked, &found), probability }))
     }
 
     /// Whether a word is on the edge, or the word that says the same of the pair turned round.
@@ -241,6 +289,25 @@ impl Searcher<'_, '_> {
             })
     }
 
+    /// Whether a word holds. The words of headings and motions say nothing of a pair with an edge whose headings or motions are unknown.
+    pub(crate) fn word(&self, subject: usize, partner: usize, asked: PairWord) -> Truth {
+        if self.has_word(subject, partner, asked) {
+            return Truth::Yes;
+        }
+        let both = |is_known: fn(&Node) -> bool| {
+            [subject, partner].map(|number| self.index.node(number).is_some_and(is_known))
+        };
+        let [own, other] = match asked {
+            PairWord::Facing => [both(|node| node.heading_rad.is_some())[0], true],
+            PairWord::FacingEachOther => both(|node| node.heading_rad.is_some()),
+            PairWord::SameDirection => both(|node| node.velocity_mps.is_some()),
+            _ => [true; 2],
+        };
+        let rows = [self.index.outgoing(subject), self.index.incoming(subject)];
+        let has_edge = rows.iter().any(|row| !row.with(partner as u32).edges.is_empty());
+        if has_edge && !(own && other) { Truth::Unknown } else { self.unsaid(subject).truth }
+    }
+
     fn does(&self, subject: usize, partner: usize, asked: &str) -> bool {
         self.deeds(subject, partner).any(|label| label == asked)
     }
@@ -254,73 +321,12 @@ impl Searcher<'_, '_> {
         })
     }
 
-    /// Doing anything together, whoever does it with whom, or next to each other.
-    pub(crate) fn is_with(&self, subject: usize, partner: usize) -> bool {
-        self.deeds(subject, partner).next().is_some()
-            || self.deeds(partner, subject).next().is_some()
-            || self.has_word(subject, partner, PairWord::Adjacent)
-    }
-
-    /// Whether the subject is between a partner, or the robot where there is none, and one of the others.
-    pub(crate) fn between(
-        &self,
-        subject: usize,
-        partner: Option<usize>,
-        others: &Partner<'_>,
-    ) -> Link {
-        let best = self.between_links(subject, partner, others).map(|(_, link)| link);
-        best.reduce(|best, next| if next.beats(best) { next } else { best }).unwrap_or(Link::NONE)
-    }
-
-    /// The others that the subject is between, with the partner at the other end.
-    pub(crate) fn between_links<'s>(
-        &'s self,
-        subject: usize,
-        partner: Option<usize>,
-        others: &'s Partner<'_>,
-    ) -> Box<dyn Iterator<Item = (Option<usize>, Link)> + 's> {
-        match (partner, others) {
-            (None, Partner::Robot(_)) => Box::new(std::iter::empty()),
-            (Some(other), Partner::Robot(is_free)) => {
-                let link = self.between_robot_and(subject, other).filter(|_| *is_free);
-                Box::new(link.map(|link| (None, link)).into_iter())
-            }
-            (None, Partner::Things { .. }) => {
-                let things = (0..self.index.node_count()).filter(move |&other| other != subject);
-                Box::new(things.filter_map(move |other| {
-                    let link = self.between_robot_and(subject, other)?;
-                    Some((Some(other), link.and(end(others, other))))
-                }))
-            }
-            (Some(partner), Partner::Things { .. }) => {
-                let entries = self.index.between(subject).filter_map(move |(ends, entry)| {
-                    let other = match ends {
-                        [a, b] if a == partner => b,
-                        [a, b] if b == partner => a,
-                        _ => return None,
-                    };
-                    let link = Link { holds: true, ..self.offset_link(entry.offset_m) };
-                    Some((Some(other), link.and(end(others, other))))
-                });
-                Box::new(entries)
-            }
+    /// Whether they do anything together, whoever does it with whom, or are next to each other.
+    pub(crate) fn with_truth(&self, subject: usize, partner: usize) -> Truth {
+        let both = [(subject, partner), (partner, subject)];
+        if both.into_iter().any(|(a, b)| self.deeds(a, b).next().is_some()) {
+            return Truth::Yes;
         }
+        self.word(subject, partner, PairWord::Adjacent)
     }
-
-    fn between_robot_and(&self, subject: usize, other: usize) -> Option<Link> {
-        let (subject, other) = (self.center(subject)?, self.center(other)?);
-        let (offset_m, _) = along(subject, [[0.0; 3], other], self.config.between_min_inside_m)?;
-        Some(self.offset_link(offset_m))
-    }
-
-    fn offset_link(&self, offset_m: f64) -> Link {
-        let max_m = self.config.between_max_offset_m;
-        let probability = of_offset(offset_m, max_m, self.config.position_sigma_m);
-        Link { holds: offset_m <= max_m, probability }
-    }
-}
-
-/// The far end of "between".
-fn end(others: &Partner<'_>, other: usize) -> Link {
-    Link { holds: others.passed(other), probability: others.probabilities(other)[0] }
 }

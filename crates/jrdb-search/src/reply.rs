@@ -3,7 +3,7 @@
 use jrdb_graph::BitSet;
 use jrdb_types::answer::{Reply, Told};
 use jrdb_types::query::{Order, Property};
-use jrdb_types::{Belief, Node, Query, SpatialRelation, Task};
+use jrdb_types::{Belief, EntityId, Node, Query, SpatialRelation, Task};
 
 use crate::search::by_sets;
 use crate::searcher::Searcher;
@@ -81,7 +81,7 @@ fn distance(place: &SpatialRelation) -> Option<String> {
     }
 }
 
-/// `front left, 34 deg to the left`.
+/// `front left, 34° to the left`.
 fn direction(place: &SpatialRelation) -> Option<String> {
     let degrees = place.bearing_rad.map(|bearing| {
         let degrees = bearing.to_degrees().round();
@@ -89,7 +89,7 @@ fn direction(place: &SpatialRelation) -> Option<String> {
         if degrees == 0.0 {
             "straight ahead".into()
         } else {
-            format!("{:.0} deg to the {side}", degrees.abs())
+            format!("{:.0}° to the {side}", degrees.abs())
         }
     });
     let words: Vec<String> =
@@ -115,13 +115,7 @@ fn deeds(searcher: &Searcher<'_, '_>, number: usize, with_people: bool) -> Vec<S
 }
 
 fn name(searcher: &Searcher<'_, '_>, number: usize) -> String {
-    let id = searcher.index.id(number).map(ToString::to_string).unwrap_or_default();
-    match searcher.index.node(number) {
-        Some(node) if !searcher.index.columns().people().contains(number) => {
-            format!("{} {id}", node.category)
-        }
-        _ => id,
-    }
+    searcher.index.id(number).map(EntityId::short).unwrap_or_default()
 }
 
 /// Where the others are that somebody has at "close" distance or nearer, nearest first.

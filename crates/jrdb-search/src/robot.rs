@@ -12,20 +12,20 @@ use crate::searcher::{Searcher, is_distance};
 impl Searcher<'_, '_> {
     /// All the relations between a subject and the robot.
     pub(crate) fn robot_link(&self, subject: usize, kinds: &Kinds<'_>) -> Link {
-        let Some(node) = self.index.node(subject) else { return Link::NONE };
+        if kinds.has_labels() {
+            return Link::NONE;
+        }
+        let Some(node) = self.index.node(subject) else { return Link::UNKNOWN };
         let mut link = Link::SURE;
         for (asked, subject_looks) in kinds.places() {
-            link =
-                link.and(self.robot_place(node, asked, subject_looks).map_or(Link::NONE, |p| p.1));
+            let found = self.robot_place(node, asked, subject_looks);
+            link = link.and(found.map_or(Link::UNKNOWN, |(_, link)| link));
         }
         for &word in kinds.words() {
-            link = link.and(self.robot_word(node, word).unwrap_or(Link::NONE));
+            link = link.and(self.robot_word(node, word));
         }
         if kinds.is_with() {
-            link = link.and(self.robot_word(node, PairWord::Adjacent).unwrap_or(Link::NONE));
-        }
-        if kinds.has_labels() {
-            link = Link::NONE;
+            link = link.and(self.robot_word(node, PairWord::Adjacent));
         }
         for others in kinds.between() {
             link = link.and(self.between(subject, None, others));
@@ -47,18 +47,18 @@ impl Searcher<'_, '_> {
             (self.seen_by_robot(node)?, self.robot_view())
         };
         let probability = place::probability(asked, &found, &view);
-        Some((found, Link { holds: place::truth(asked, &found).holds(), probability }))
+        Some((found, Link { truth: place::truth(asked, &found), probability }))
     }
 
-    /// Facing the robot has no limit of range; next to it is close to it. `None` where it is not known.
-    pub(crate) fn robot_word(&self, node: &Node, word: PairWord) -> Option<Link> {
+    /// Facing the robot has no limit of range; next to it is close to it. Of the other words nothing is known.
+    pub(crate) fn robot_word(&self, node: &Node, word: PairWord) -> Link {
         let ahead = Place::Degrees { center: 0.0, half_width: self.config.facing_half_angle_deg };
         let place = |asked: &Place, subject_looks| {
-            self.robot_place(node, asked, subject_looks).map(|(_, link)| link)
+            self.robot_place(node, asked, subject_looks).map_or(Link::UNKNOWN, |(_, link)| link)
         };
         match word {
             PairWord::Facing => place(&ahead, true),
-            PairWord::FacingEachOther => Some(place(&ahead, true)?.and(place(&ahead, false)?)),
+            PairWord::FacingEachOther => place(&ahead, true).and(place(&ahead, false)),
             PairWord::Adjacent => {
                 let near = place::interval(f64::NEG_INFINITY, self.config.close_m);
                 place(&Place::Metres(near), false)
@@ -66,7 +66,7 @@ impl Searcher<'_, '_> {
             PairWord::Overlapping
             | PairWord::Hides
             | PairWord::HiddenBy
-            | PairWord::SameDirection => None,
+            | PairWord::SameDirection => Link::UNKNOWN,
         }
     }
 }

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use jrdb_graph::{BitSet, GraphIndex};
-use jrdb_types::query::{Category, Interval, Measure, Place, RelationKind};
+use jrdb_types::query::{Category, Interval, Measure, Place};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Node, Pattern, SpatialRelation};
 
@@ -97,13 +97,11 @@ impl<'i, 'a> Searcher<'i, 'a> {
         sizes.get(number).copied().flatten()
     }
 
-    /// Whether enough is known of a thing's place to say that a relation does not hold. What is done with others is always known.
-    pub(crate) fn is_settled(&self, number: usize, kinds: &[RelationKind]) -> bool {
-        let only_deeds = kinds.iter().all(|kind| matches!(kind, RelationKind::Interaction(_)));
+    /// Whether the graph tells a thing's place in any way, so that it can be said that it is not near something.
+    pub(crate) fn has_place(&self, number: usize) -> bool {
         let is_placed = |node: &Node| node.center.is_some() || node.from_robot.is_some();
         let row_says = |row| self.index.spatial(row).next().is_some();
-        only_deeds
-            || self.index.node(number).is_some_and(is_placed)
+        self.index.node(number).is_some_and(is_placed)
             || row_says(self.index.outgoing(number))
             || row_says(self.index.incoming(number))
     }

@@ -7,7 +7,7 @@ use jrdb_types::query::{Category, Place, RelationKind, Viewpoint};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Direction, DistanceWord, Pattern, Quantity, Related};
 
-use crate::link::{Kinds, Partner};
+use crate::link::{Kinds, Link, Partner};
 use crate::measure::Comparison;
 use crate::place;
 use crate::searcher::Searcher;
@@ -20,27 +20,41 @@ impl<'i> Searcher<'i, '_> {
     /// Those that match a pattern: strictly under `strict`, else by the paper's two phases.
     pub(crate) fn matches(&self, pattern: &Pattern) -> BitSet {
         let found = self.unpicked(pattern);
-        pattern.pick.as_ref().map_or_else(|| found.clone(), |pick| self.pick(&found, pick))
+        match &pattern.pick {
+            None => found,
+            Some(pick) => self.pick(&found, pick),
+        }
     }
 
     fn unpicked(&self, pattern: &Pattern) -> BitSet {
-        let kind = self.kind(&pattern.category);
-        let (relations, attributes): (Vec<_>, Vec<_>) =
-            pattern.conditions.iter().partition(|condition| condition.is_relation());
-        let mut found = self.enough(&kind, &attributes);
-        for relation in relations {
-            found = self.yes(relation, &found).into_owned();
+        let mut found = self.enough(pattern, |condition, within| self.yes(condition, within));
+        for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
+            found = self.narrowed(found, relation);
         }
         found
     }
 
-    /// Those that satisfy all conditions, or more than half.
-    fn enough(&self, kind: &BitSet, conditions: &[&Condition]) -> BitSet {
-        let sets: Vec<Cow<'_, BitSet>> = conditions.iter().map(|c| self.yes(c, kind)).collect();
-        let mut found = kind.clone();
-        if self.config.policy == MatchPolicy::Strict || sets.len() <= 2 {
-            sets.iter().for_each(|set| found.intersect(set));
+    /// Those of a set for which a condition holds.
+    fn narrowed(&self, mut found: BitSet, condition: &Condition) -> BitSet {
+        match condition {
+            Condition::Related(related) if self.see_one(related, &mut found) => found,
+            _ => self.yes(condition, &found).into_owned(),
+        }
+    }
+
+    /// Those of a pattern's kind that have all of its attributes, or more than half; a function tells who has one.
+    fn enough<'s>(
+        &self,
+        pattern: &Pattern,
+        having: impl Fn(&Condition, &BitSet) -> Cow<'s, BitSet>,
+    ) -> BitSet {
+        let kind = self.kind(&pattern.category);
+        let attributes = || pattern.conditions.iter().filter(|c| !c.is_relation());
+        let mut found = BitSet::clone(&kind);
+        if self.config.policy == MatchPolicy::Strict || attributes().count() <= 2 {
+            attributes().for_each(|attribute| found.intersect(&having(attribute, &kind)));
         } else {
+            let sets: Vec<Cow<'_, BitSet>> = attributes().map(|a| having(a, &kind)).collect();
             more_than_half(&mut found, &sets);
         }
         found
@@ -127,16 +141,18 @@ impl<'i> Searcher<'i, '_> {
         }
     }
 
-    /// Those of a pattern's kind of which some condition is unknown.
+    /// Those that do not match a pattern, its pick apart, but might if what is unknown of them were so.
     fn undecided(&self, pattern: &Pattern) -> BitSet {
-        let kind = self.kind(&pattern.category);
-        let mut undecided = BitSet::new(kind.size());
-        for condition in &pattern.conditions {
-            let mut unknown = kind.clone().into_owned();
-            unknown.subtract(&self.yes(condition, &kind));
-            unknown.subtract(&self.no(condition, &kind));
-            undecided.unite(&unknown);
+        let possible = |condition: &Condition, within: &BitSet| {
+            let mut possible = within.clone();
+            possible.subtract(&self.no(condition, within));
+            possible
+        };
+        let mut undecided = self.enough(pattern, |c, within| Cow::Owned(possible(c, within)));
+        for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
+            undecided = possible(relation, &undecided);
         }
+        undecided.subtract(&self.unpicked(pattern));
         undecided
     }
 
@@ -165,7 +181,8 @@ impl<'i> Searcher<'i, '_> {
     }
 
     fn related(&self, related: &Related, within: &BitSet) -> BitSet {
-        if let Some(found) = self.seen_by_one_edge(related, within) {
+        let mut found = within.clone();
+        if self.see_one(related, &mut found) {
             return found;
         }
         self.by_relation(related, within, Truth::Yes)
@@ -176,67 +193,74 @@ impl<'i> Searcher<'i, '_> {
     }
 
     fn by_relation(&self, related: &Related, within: &BitSet, wanted: Truth) -> BitSet {
-        let partner = self.partner(&related.partner);
-        let kinds = Kinds::new(&related.kinds, |pattern| self.partner(pattern));
+        // More partners than those found for sure cannot undo that there are enough.
+        let only_sure = wanted == Truth::Yes && related.quantity.at_most.is_none();
+        let partner = self.partner(&related.partner, only_sure);
+        let kinds = Kinds::new(&related.kinds, |pattern| self.partner(pattern, only_sure));
         let mut scratch = Vec::new();
         retained(within, |subject| {
-            let count = self.count_partners(subject, &kinds, &partner, &mut scratch);
-            self.relation_truth(subject, related, count) == wanted
+            let [sure, perhaps] = self.count_partners(subject, &kinds, &partner, &mut scratch);
+            Truth::of_count(related.quantity, sure, perhaps) == wanted
         })
     }
 
-    fn partner<'q>(&self, pattern: &'q Pattern) -> Partner<'q> {
-        match pattern.category {
-            Category::Robot => Partner::Robot(pattern.conditions.is_empty()),
-            _ => Partner::Things { passed: self.matches(pattern), evaluated: None },
+    fn partner<'q>(&self, pattern: &'q Pattern, only_sure: bool) -> Partner<'q> {
+        if pattern.category == Category::Robot {
+            return Partner::Robot(pattern.conditions.is_empty());
         }
+        let nobody = || BitSet::new(self.index.size());
+        let undecided = if only_sure { nobody() } else { self.undecided(pattern) };
+        Partner::Things { passed: self.matches(pattern), undecided, evaluated: None }
     }
 
+    /// How many partners there surely are, and how many more perhaps.
     fn count_partners(
         &self,
         subject: usize,
         kinds: &Kinds<'_>,
         partner: &Partner<'_>,
         scratch: &mut Vec<u32>,
-    ) -> usize {
-        match partner {
-            Partner::Robot(is_free) => {
-                usize::from(*is_free && self.robot_link(subject, kinds).holds)
+    ) -> [usize; 2] {
+        if let Partner::Robot(is_free) = partner {
+            let link = if *is_free { self.robot_link(subject, kinds) } else { Link::NONE };
+            return [Truth::Yes, Truth::Unknown].map(|truth| usize::from(link.truth == truth));
+        }
+        self.possible_partners(subject, kinds, scratch);
+        let mut counts = [0, kinds.unseen(self, subject, partner, scratch)];
+        for other in scratch.iter().map(|&other| other as usize) {
+            let own = partner.truth(other);
+            if own == Truth::No {
+                continue;
             }
-            Partner::Things { passed, .. } => {
-                self.possible_partners(subject, kinds, scratch);
-                let those = scratch.iter().map(|&other| other as usize);
-                let those = those.filter(|&other| passed.contains(other));
-                those.filter(|&other| self.link(subject, other, kinds).holds).count()
+            match own.min(self.link(subject, other, kinds).truth) {
+                Truth::Yes => counts[0] += 1,
+                Truth::Unknown => counts[1] += 1,
+                Truth::No => {}
             }
         }
+        counts
     }
 
-    /// So many partners are as asked, or not; with none found it matters whether enough is known.
-    pub(crate) fn relation_truth(&self, subject: usize, related: &Related, count: usize) -> Truth {
-        if count == 0 && !self.is_settled(subject, &related.kinds) {
-            return Truth::Unknown;
-        }
-        Truth::of(related.quantity.holds(count))
-    }
-
-    /// "Has such a one in a direction (at a distance)", or "is in a direction of such a one": found in the index's runs.
-    fn seen_by_one_edge(&self, related: &Related, within: &BitSet) -> Option<BitSet> {
+    /// Keeps those of whom "has such a one in a direction (at a distance)" or "is in a direction of such a one" holds, found in the
+    /// index's runs; false, and nothing done, for other relations.
+    fn see_one(&self, related: &Related, found: &mut BitSet) -> bool {
         let is_plain =
             related.quantity == Quantity::SOME && related.partner.category != Category::Robot;
-        let (direction, distance, viewpoint) = one_edge(&related.kinds).filter(|_| is_plain)?;
+        let edge = one_edge(&related.kinds).filter(|_| is_plain);
+        let Some((direction, distance, viewpoint)) = edge else { return false };
         let passed = self.matches(&related.partner);
         let sees = |number| self.index.seen(number, direction, distance);
         if viewpoint == Viewpoint::Subject {
-            let any = |number| sees(number).iter().any(|&other| passed.contains(other as usize));
-            return Some(retained(within, any));
+            found
+                .retain(|number| sees(number).iter().any(|&other| passed.contains(other as usize)));
+            return true;
         }
-        let mut found = BitSet::new(within.size());
+        let mut seen = BitSet::new(found.size());
         for partner in passed.iter() {
-            sees(partner).iter().for_each(|&subject| found.insert(subject as usize));
+            sees(partner).iter().for_each(|&subject| seen.insert(subject as usize));
         }
-        found.intersect(within);
-        Some(found)
+        found.intersect(&seen);
+        true
     }
 }
 

@@ -1,9 +1,10 @@
 //! Search over small hand-made and random graphs.
 
-mod asked;
-mod graphs;
+pub(crate) mod asked;
+pub(crate) mod graphs;
 mod laws;
 mod noise;
+mod oracle;
 mod recordings;
 mod relations;
 mod told;

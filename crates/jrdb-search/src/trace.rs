@@ -172,7 +172,7 @@ impl Searcher<'_, '_> {
         kind: &RelationKind,
         kinds: &Kinds<'_>,
     ) -> Check {
-        let name = self.index.id(partner).map(ToString::to_string).unwrap_or_default();
+        let name = self.index.id(partner).map(EntityId::short).unwrap_or_default();
         let base = Check { asked: wording::kind(kind, &name), ..Check::default() };
         match kind {
             RelationKind::Placed { place: asked, viewpoint } => {
@@ -192,8 +192,8 @@ impl Searcher<'_, '_> {
                 }
             }
             RelationKind::Pair(word) => {
-                let link = Link::of(self.has_word(subject, partner, *word));
-                Check { found: link.holds.then(|| word.to_string()), ..of_link(link, base) }
+                let link = Link::certain(self.word(subject, partner, *word));
+                Check { found: link.truth.holds().then(|| word.to_string()), ..of_link(link, base) }
             }
             RelationKind::Interaction(label) => {
                 let deeds: Vec<&str> = self.deeds(subject, partner).collect();
@@ -203,7 +203,7 @@ impl Searcher<'_, '_> {
                     ..of_link(link, base)
                 }
             }
-            RelationKind::With => of_link(Link::of(self.is_with(subject, partner)), base),
+            RelationKind::With => of_link(Link::certain(self.with_truth(subject, partner)), base),
             RelationKind::Between(_) => base,
         }
     }
@@ -216,18 +216,19 @@ impl Searcher<'_, '_> {
         others: &Partner<'_>,
     ) -> Check {
         let name = partner.and_then(|partner| self.index.id(partner));
-        let name = name.map_or_else(|| "the robot".into(), ToString::to_string);
+        let name = name.map_or_else(|| "the robot".into(), EntityId::short);
         let base = Check { asked: wording::kind(kind, &name), ..Check::default() };
         let links = self.between_links(subject, partner, others);
-        let best = links.reduce(|best, next| {
-            let is_better = (next.1.holds, next.1.probability) > (best.1.holds, best.1.probability);
-            if is_better { next } else { best }
-        });
+        let links = links.filter(|(_, link)| link.probability > 0.0 || link.truth.holds());
+        let best = links.reduce(|best, next| if next.1.beats(best.1) { next } else { best });
         let Some((other, link)) = best else { return base };
+        let aside_m = self.aside_m(subject, partner, other);
+        let bounds = Interval { min: None, max: Some(self.config.between_max_offset_m) };
         let other = other.and_then(|other| self.index.id(other)).cloned();
-        let end = other.as_ref().map_or_else(|| "the robot".into(), ToString::to_string);
+        let end = other.as_ref().map_or_else(|| "the robot".into(), EntityId::short);
         Check {
             found: Some(format!("between {name} and {end}")),
+            measured: aside_m.map(|metres| place::measured(metres, Unit::Metres, bounds)),
             witnesses: other.into_iter().collect(),
             ..of_link(link, base)
         }
@@ -262,15 +263,13 @@ impl Searcher<'_, '_> {
                 }
             }
             RelationKind::Pair(word) => {
-                let link = self.robot_word(node, *word).unwrap_or(Link::NONE);
+                let link = self.robot_word(node, *word);
                 Check {
-                    found: link.holds.then(|| format!("{word} the robot")),
+                    found: link.truth.holds().then(|| format!("{word} the robot")),
                     ..of_link(link, base)
                 }
             }
-            RelationKind::With => {
-                of_link(self.robot_word(node, PairWord::Adjacent).unwrap_or(Link::NONE), base)
-            }
+            RelationKind::With => of_link(self.robot_word(node, PairWord::Adjacent), base),
             RelationKind::Interaction(_) | RelationKind::Between(_) => base,
         }
     }
@@ -305,7 +304,7 @@ fn of_value(value: &Value) -> Check {
 }
 
 fn of_link(link: Link, base: Check) -> Check {
-    Check { holds: link.holds, probability: link.probability, ..base }
+    Check { holds: link.truth.holds(), probability: link.probability, ..base }
 }
 
 fn joined(parts: &[Check]) -> Option<String> {

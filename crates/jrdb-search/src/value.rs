@@ -1,5 +1,7 @@
 //! What checking one condition on one thing comes to.
 
+use jrdb_types::Quantity;
+
 /// Three-valued: of the unknown nothing holds, and neither does its contrary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
 pub(crate) enum Truth {
@@ -21,6 +23,13 @@ impl Truth {
 
     pub(crate) fn holds(self) -> bool {
         self == Self::Yes
+    }
+
+    /// Whether as many as asked are so, where this many surely are and so many more perhaps.
+    pub(crate) fn of_count(asked: Quantity, sure: usize, perhaps: usize) -> Self {
+        let holds = asked.holds(sure);
+        let is_settled = (sure + 1..=sure + perhaps).all(|number| asked.holds(number) == holds);
+        if is_settled { Self::of(holds) } else { Self::Unknown }
     }
 }
 

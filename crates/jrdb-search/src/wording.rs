@@ -4,7 +4,7 @@ use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
-use jrdb_types::{Belief, Condition, Direction, Pattern, Quantity, Related};
+use jrdb_types::{Age, Belief, Condition, Direction, Pattern, Quantity, Related};
 
 /// What a condition asks for.
 pub(crate) fn asked(condition: &Condition) -> String {
@@ -257,11 +257,15 @@ pub(crate) fn pattern(pattern: &Pattern) -> String {
 pub(crate) fn description(pattern: &Pattern) -> String {
     let (words, clauses): (Vec<_>, Vec<_>) =
         pattern.conditions.iter().partition(|c| adjective(c).is_some());
-    let words: Vec<String> = words.into_iter().filter_map(adjective).collect();
+    let is_child =
+        words.contains(&&Condition::Age(Age::Child)) && pattern.category == Category::Person;
+    let words = words.into_iter().filter(|word| !is_child || **word != Condition::Age(Age::Child));
+    let words: Vec<String> = words.filter_map(adjective).collect();
     let adjectives = if words.is_empty() { String::new() } else { format!("{} ", words.join(" ")) };
     let clauses: String =
         clauses.into_iter().map(|clause| format!(" ({})", asked(clause))).collect();
-    format!("{adjectives}{}{clauses}", noun(&pattern.category))
+    let noun = if is_child { "child" } else { noun(&pattern.category) };
+    format!("{adjectives}{noun}{clauses}")
 }
 
 pub(crate) fn noun(category: &Category) -> &str {

@@ -310,6 +310,7 @@ pub enum Condition {
 
 impl Condition {
     /// Whether it looks at other things than the candidate: the paper checks these in its second phase.
+    #[inline]
     #[must_use]
     pub fn is_relation(&self) -> bool {
         match self {

@@ -1,6 +1,6 @@
 //! Edges as rows of numbers.
 
-use jrdb_types::{Direction, DistanceWord, EdgeRelation, SceneGraph, SpatialRelation};
+use jrdb_types::{Direction, DistanceWord, EdgeRelation, SpatialRelation};
 
 use super::columns::{DIRECTIONS, direction_code};
 
@@ -9,6 +9,9 @@ const DISTANCES: usize = 6;
 /// Places of a node's spatial edges: every direction and an unknown one, with every distance.
 const CODES: usize = (DIRECTIONS + 1) * DISTANCES;
 
+/// Code of an edge that tells no place.
+const NO_PLACE: u32 = u32::MAX;
+
 /// An edge with its ends as numbers.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ends {
@@ -16,6 +19,8 @@ pub(super) struct Ends {
     pub(super) to: u32,
     /// Place in the scene's list.
     pub(super) edge: u32,
+    /// What it says of the place.
+    pub(super) code: u32,
 }
 
 /// The edges of each node, sorted by the other end, then as in the scene.
@@ -82,37 +87,50 @@ impl Runs {
     }
 }
 
-/// Rows of outgoing and of incoming edges, and runs of spatial ones.
-pub(super) fn arrange(scene: &SceneGraph, ends: &[Ends], size: usize) -> (Rows, Rows, Runs) {
-    let is_sorted = ends.is_sorted_by_key(|ends| (ends.from, ends.to));
-    let by_from = if is_sorted {
-        ends.to_vec()
-    } else {
-        let by_to = sorted(ends, size, |ends| ends.to as usize).1;
-        sorted(&by_to, size, |ends| ends.from as usize).1
-    };
-    let out_starts = starts(&by_from, size, |ends| ends.from as usize);
-    let (in_starts, by_to) = sorted(&by_from, size, |ends| ends.to as usize);
-    let edges = |sorted: &[Ends]| sorted.iter().map(|ends| ends.edge).collect();
-    let others = by_from.iter().map(|ends| ends.to).collect();
-    let out = Rows { starts: out_starts, others, edges: edges(&by_from) };
-    let others = by_to.iter().map(|ends| ends.from).collect();
-    let incoming = Rows { starts: in_starts, others, edges: edges(&by_to) };
-    (out, incoming, runs(scene, &by_from, size))
+/// Edges in the order of their ends.
+pub(super) fn in_order(ends: Vec<Ends>, size: usize) -> Vec<Ends> {
+    if ends.is_sorted_by_key(|ends| (ends.from, ends.to)) {
+        return ends;
+    }
+    let by_to = sorted(&ends, size, |ends| ends.to as usize).1;
+    sorted(&by_to, size, |ends| ends.from as usize).1
 }
 
-fn runs(scene: &SceneGraph, by_from: &[Ends], size: usize) -> Runs {
-    // The key takes the place of the edge.
-    let spatial =
-        by_from.iter().filter_map(|ends| match &scene.edges[ends.edge as usize].relation {
-            EdgeRelation::Spatial(relation) => {
-                Some(Ends { edge: ends.from * CODES as u32 + code(relation), ..*ends })
-            }
-            _ => None,
-        });
-    let spatial: Vec<Ends> = spatial.collect();
-    let (starts, spatial) = sorted(&spatial, size * CODES, |ends| ends.edge as usize);
-    Runs { starts, others: spatial.iter().map(|ends| ends.to).collect() }
+/// Rows of outgoing edges, from edges in order.
+pub(super) fn outgoing(in_order: &[Ends], size: usize) -> Rows {
+    let others = in_order.iter().map(|ends| ends.to).collect();
+    let edges = in_order.iter().map(|ends| ends.edge).collect();
+    Rows { starts: starts(in_order, size, |ends| ends.from as usize), others, edges }
+}
+
+/// Rows of incoming edges, from edges in order.
+pub(super) fn incoming(in_order: &[Ends], size: usize) -> Rows {
+    let (starts, by_to) = sorted(in_order, size, |ends| ends.to as usize);
+    let others = by_to.iter().map(|ends| ends.from).collect();
+    Rows { starts, others, edges: by_to.iter().map(|ends| ends.edge).collect() }
+}
+
+/// Runs of spatial edges, from edges in order.
+pub(super) fn runs(in_order: &[Ends], size: usize) -> Runs {
+    let spatial = || in_order.iter().filter(|ends| ends.code != NO_PLACE);
+    let key = |ends: &Ends| ends.from as usize * CODES + ends.code as usize;
+    let starts = starts(spatial(), size * CODES, key);
+    let mut next = starts.clone();
+    let mut others = vec![0; spatial().count()];
+    for ends in spatial() {
+        let place = &mut next[key(ends)];
+        others[*place as usize] = ends.to;
+        *place += 1;
+    }
+    Runs { starts, others }
+}
+
+/// What an edge says of the place.
+pub(super) fn place_code(relation: &EdgeRelation) -> u32 {
+    match relation {
+        EdgeRelation::Spatial(relation) => code(relation),
+        _ => NO_PLACE,
+    }
 }
 
 fn code(relation: &SpatialRelation) -> u32 {
@@ -122,9 +140,13 @@ fn code(relation: &SpatialRelation) -> u32 {
 }
 
 /// Where each key's items start in a list sorted by it; one more entry than keys.
-fn starts(items: &[Ends], keys: usize, key: impl Fn(&Ends) -> usize) -> Vec<u32> {
+fn starts<'e>(
+    items: impl IntoIterator<Item = &'e Ends>,
+    keys: usize,
+    key: impl Fn(&Ends) -> usize,
+) -> Vec<u32> {
     let mut starts = vec![0; keys + 1];
-    items.iter().for_each(|item| starts[key(item) + 1] += 1);
+    items.into_iter().for_each(|item| starts[key(item) + 1] += 1);
     let mut sum = 0;
     for start in &mut starts {
         sum += *start;
@@ -137,7 +159,7 @@ fn starts(items: &[Ends], keys: usize, key: impl Fn(&Ends) -> usize) -> Vec<u32>
 fn sorted(items: &[Ends], keys: usize, key: impl Fn(&Ends) -> usize) -> (Vec<u32>, Vec<Ends>) {
     let starts = starts(items, keys, &key);
     let mut next = starts.clone();
-    let mut sorted = vec![Ends { from: 0, to: 0, edge: 0 }; items.len()];
+    let mut sorted = vec![Ends { from: 0, to: 0, edge: 0, code: NO_PLACE }; items.len()];
     for item in items {
         let place = &mut next[key(item)];
         sorted[*place as usize] = *item;
@@ -152,7 +174,7 @@ mod tests {
 
     #[test]
     fn counting_keeps_the_order_of_equal_keys() {
-        let ends = |from, edge| Ends { from, to: 0, edge };
+        let ends = |from, edge| Ends { from, to: 0, edge, code: NO_PLACE };
         let items = [ends(2, 0), ends(0, 1), ends(2, 2)];
         let (starts, sorted) = sorted(&items, 3, |ends| ends.from as usize);
         assert_eq!(starts, [0, 1, 1, 3]);

@@ -88,42 +88,49 @@ impl Columns {
 
     /// People; ends of edges that are no nodes count as what their id's class is.
     #[must_use]
+    #[inline]
     pub fn people(&self) -> &BitSet {
         &self.people
     }
 
     /// Those of this age group, and of known age.
     #[must_use]
+    #[inline]
     pub fn age(&self, value: Age) -> (&BitSet, &BitSet) {
         (&self.age.values[value as usize], &self.age.known)
     }
 
     /// Those of this gender, and of known gender.
     #[must_use]
+    #[inline]
     pub fn gender(&self, value: Gender) -> (&BitSet, &BitSet) {
         (&self.gender.values[value as usize], &self.gender.known)
     }
 
     /// Those with this race word, and with any.
     #[must_use]
+    #[inline]
     pub fn race(&self, value: Race) -> (&BitSet, &BitSet) {
         (&self.race.values[value as usize], &self.race.known)
     }
 
     /// Those who do this, and those of whom it is known what they do.
     #[must_use]
+    #[inline]
     pub fn action(&self, value: Action) -> (&BitSet, &BitSet) {
         (&self.action.values[value as usize], &self.action.known)
     }
 
     /// Those so far from the robot, and those at a known distance.
     #[must_use]
+    #[inline]
     pub fn distance(&self, value: DistanceWord) -> (&BitSet, &BitSet) {
         (&self.distance.values[value as usize], &self.distance.known)
     }
 
     /// Those in this direction from the robot, and those in a known one.
     #[must_use]
+    #[inline]
     pub fn direction(&self, value: Direction) -> (&BitSet, &BitSet) {
         (&self.direction.values[direction_code(value)], &self.direction.known)
     }

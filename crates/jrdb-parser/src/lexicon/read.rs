@@ -36,12 +36,15 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
     for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
         let (phrases, meanings) = line.split_once(" -> ").ok_or(line)?;
         for phrase in phrases.split(", ") {
-            let numbers: Vec<u16> =
-                words::split(phrase).map(|piece| lexicon.piece(phrase, &piece)).collect();
+            let pieces = words::split(phrase).map(|piece| lexicon.piece(phrase, &piece));
+            let numbers: Vec<u16> = pieces.collect::<Option<_>>().ok_or(line)?;
             if numbers.is_empty() {
                 return Err(line.to_owned());
             }
             let entry = lexicon.phrase(&numbers);
+            if meanings.starts_with("thing ") {
+                entry.roles.insert(if is_plural(phrase) { Role::Plural } else { Role::Singular });
+            }
             for meaning in meanings.split("; ") {
                 add(entry, meaning).ok_or(line)?;
             }
@@ -51,12 +54,18 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
 }
 
 impl Lexicon {
-    fn piece(&mut self, phrase: &'static str, piece: &words::Piece) -> u16 {
+    fn piece(&mut self, phrase: &'static str, piece: &words::Piece) -> Option<u16> {
         if piece.word < super::special::COUNT && piece.word != super::special::UNKNOWN {
-            return piece.word;
+            return Some(piece.word);
         }
         self.intern(&phrase[piece.start..piece.end])
     }
+}
+
+/// Whether a noun names several things; a noun that is otherwise than its ending says is given `word plural` too.
+fn is_plural(noun: &str) -> bool {
+    let has_s = noun.ends_with('s') && !noun.ends_with("ss");
+    has_s || ["men", "people", "folk", "children"].iter().any(|end| noun.ends_with(end))
 }
 
 /// Adds one meaning, such as `says walking`; none when it is not one.
@@ -81,6 +90,7 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
             let Condition::Related(mut related) = condition(&format!("{value}: person"))? else {
                 return None;
             };
+            entry.relation_too = related.kinds.drain(1..).next();
             entry.relation = related.kinds.pop();
             Role::Relation
         }
@@ -170,7 +180,13 @@ mod tests {
 
     #[test]
     fn a_line_at_fault_is_named() {
-        for line in ["cat thing animal", "cat -> says tall", "cat -> word purr", "cat -> legs 4"] {
+        for line in [
+            "cat thing animal",
+            "counterintelligence -> word stranger",
+            "cat -> says tall",
+            "cat -> word purr",
+            "cat -> legs 4",
+        ] {
             assert_eq!(read(line).err().as_deref(), Some(line));
         }
     }

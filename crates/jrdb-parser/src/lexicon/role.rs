@@ -163,6 +163,26 @@ roles! {
     Clock = "clock",
     /// "nd" of "2nd".
     Suffix = "suffix",
+    /// "if".
+    If = "if",
+    /// "non" of "non-seated".
+    Non = "non",
+    /// "among": of which things the question is.
+    Among = "among",
+    /// "radius".
+    Radius = "radius",
+    /// "degrees".
+    Degrees = "degrees",
+    /// "last", "second to last": counted from the other end.
+    Last = "last",
+    /// "towards": where a walk leads.
+    Towards = "towards",
+    /// Names several things, or is said of several.
+    Plural = "plural",
+    /// Names one thing, or is said of one.
+    Singular = "singular",
+    /// A common word that has no part in questions.
+    Stranger = "stranger",
 }
 
 /// A set of roles.
@@ -186,6 +206,11 @@ impl Roles {
 
     pub(crate) const fn has_any(self, roles: Self) -> bool {
         self.0 & roles.0 != 0
+    }
+
+    /// The set without the number of a noun: "woman" and "women" mean the same.
+    pub(super) const fn of_meaning(self) -> Self {
+        Self(self.0 & !(1 << Role::Plural as u64 | 1 << Role::Singular as u64))
     }
 
     pub(super) fn insert(&mut self, role: Role) {

@@ -12,6 +12,7 @@ use jrdb_pipeline::output::{read_artefact, write_artefact};
 use jrdb_pipeline::perceive::Perceiver;
 use jrdb_pipeline::source::{FrameSource, Source, list_frames};
 use jrdb_pipeline::{Error, PipelineConfig, frame::place, read_query, report};
+use jrdb_search::Pooling;
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
@@ -194,7 +195,7 @@ pub(crate) struct SearchArgs {
 
 pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
     let graphs = args.graph.iter().map(|path| read_artefact(path));
-    let graphs: Vec<SceneGraph> = graphs.collect::<Result<_, Error>>()?;
+    let mut graphs: Vec<SceneGraph> = graphs.collect::<Result<_, Error>>()?;
     let query: Query = match (&args.query, &args.text) {
         (Some(path), _) => read_artefact(path)?,
         (None, text) => {
@@ -202,6 +203,9 @@ pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
         }
     };
     let config = args.answers.search();
+    if config.pooling == Pooling::PerCondition {
+        jrdb_graph::make_timeless(&mut graphs);
+    }
     let mut answer = match graphs.as_slice() {
         [graph] if query.slots.is_empty() => jrdb_search::search(graph, &query, &config),
         graphs => jrdb_search::search_frames(graphs, None, &query, &config),

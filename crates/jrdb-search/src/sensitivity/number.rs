@@ -1,13 +1,14 @@
 //! The numbers of a graph, changed one at a time.
 
 use jrdb_types::answer::Unit;
+use jrdb_types::entity::Between;
 use jrdb_types::{
     Action, Age, Belief, Condition, Edge, EdgeRelation, EntityId, Gender, LateralConvention, Node,
     Race, SceneGraph, SpatialRelation,
 };
 
 use crate::attribute::rival;
-use crate::geometry::{distance_word, named, near_deg, physical_sector};
+use crate::geometry::{apart_m, distance_word, named, near_deg, physical_sector};
 
 /// Which number of a graph.
 pub(super) enum Number<'q> {
@@ -21,30 +22,53 @@ pub(super) enum Number<'q> {
     Apart(EntityId, EntityId),
     /// Bearing of the second in the first's own frame, degrees.
     Seen(EntityId, EntityId),
+    /// Place of the first beside the second as the robot sees both, degrees: it goes round the second.
+    Beside(EntityId, EntityId),
+    /// Place in the row from left to right, degrees from straight behind the robot.
+    Row(EntityId),
+    /// Distance of the first from the straight line between the second and the third, or the robot where there is none, metres.
+    Aside(EntityId, EntityId, Option<EntityId>),
 }
 
 impl Number<'_> {
     pub(super) fn unit(&self) -> Unit {
         match self {
             Self::Belief(..) => Unit::Probability,
-            Self::Range(_) | Self::Apart(..) => Unit::Metres,
-            Self::Bearing(_) | Self::Seen(..) => Unit::Degrees,
+            Self::Range(_) | Self::Apart(..) | Self::Aside(..) => Unit::Metres,
+            Self::Bearing(_) | Self::Seen(..) | Self::Beside(..) | Self::Row(_) => Unit::Degrees,
         }
     }
 }
 
-/// A copy of a graph with one number changed at a time.
+/// A copy of a graph, perhaps without some of its edges, with one number changed at a time.
 pub(super) struct Scratch<'g> {
     original: &'g SceneGraph,
     copy: SceneGraph,
-    changed_nodes: Vec<usize>,
-    changed_edges: Vec<usize>,
+    /// What was there before, with its place.
+    changed_nodes: Vec<(usize, Node)>,
+    changed_edges: Vec<(usize, Edge)>,
+    changed_between: Vec<(usize, Between)>,
 }
 
 impl<'g> Scratch<'g> {
-    pub(super) fn new(original: &'g SceneGraph) -> Self {
-        let (changed_nodes, changed_edges) = (Vec::new(), Vec::new());
-        Self { original, copy: original.clone(), changed_nodes, changed_edges }
+    /// A copy with these of its edges.
+    pub(super) fn with_edges(original: &'g SceneGraph, edges: Vec<Edge>) -> Self {
+        let (changed_nodes, changed_edges, changed_between) = (Vec::new(), Vec::new(), Vec::new());
+        let copy = SceneGraph {
+            frame: original.frame.clone(),
+            lateral: original.lateral,
+            nodes: original.nodes.clone(),
+            edges,
+            between: original.between.clone(),
+            issues: Vec::new(),
+        };
+        Self { original, copy, changed_nodes, changed_edges, changed_between }
+    }
+
+    /// Takes these of the edges instead.
+    pub(super) fn set_edges(&mut self, edges: Vec<Edge>) {
+        self.changed_edges.clear();
+        self.copy.edges = edges;
     }
 
     pub(super) fn graph(&self) -> &SceneGraph {
@@ -58,7 +82,7 @@ impl<'g> Scratch<'g> {
     /// How far the thing is that a bearing is told of, metres.
     pub(super) fn range_m(&self, number: &Number<'_>) -> Option<f64> {
         match number {
-            Number::Bearing(id) => {
+            Number::Bearing(id) | Number::Row(id) => {
                 let node = self.node(id)?;
                 let center = node.center.map(|[x, y, z]| x.hypot(y).hypot(z));
                 node.from_robot.and_then(|place| place.distance_m).or(center)
@@ -66,6 +90,9 @@ impl<'g> Scratch<'g> {
             Number::Seen(from, to) => {
                 let edges = self.original.edges.iter();
                 edges.filter(|edge| edge.from == *from && edge.to == *to).find_map(distance_m)
+            }
+            Number::Beside(id, other) => {
+                Some(apart_m(self.node(id)?.center?, self.node(other)?.center?))
             }
             _ => None,
         }
@@ -97,6 +124,31 @@ impl<'g> Scratch<'g> {
             Number::Bearing(id) => self.change_node(id, |node| {
                 set_bearing(node.from_robot.get_or_insert_default(), to, lateral);
             }),
+            Number::Row(id) => self.change_node(id, |node| {
+                set_bearing(
+                    node.from_robot.get_or_insert_default(),
+                    STRAIGHT_BEHIND_DEG - to,
+                    lateral,
+                );
+            }),
+            Number::Beside(id, other) => {
+                let Some(middle) = self.node(other).and_then(|node| node.center) else {
+                    return &self.copy;
+                };
+                self.change_node(id, |node| {
+                    // Clockwise for the eye above is counter-clockwise for the thing, which looks at the robot.
+                    node.center = node.center.map(|center| turned(center, middle, from - to));
+                });
+            }
+            Number::Aside(id, a, Some(b)) => self.change_between(id, [a, b], to),
+            Number::Aside(id, end, None) => {
+                let Some(end) = self.node(end).and_then(|node| node.center) else {
+                    return &self.copy;
+                };
+                self.change_node(id, |node| {
+                    node.center = node.center.map(|center| moved_aside(center, end, to));
+                });
+            }
             Number::Apart(a, b) => {
                 self.change_edges([(a, b), (b, a)], |relation| {
                     let is_it =
@@ -117,19 +169,32 @@ impl<'g> Scratch<'g> {
     }
 
     fn restore(&mut self) {
-        for place in self.changed_nodes.drain(..) {
-            self.copy.nodes[place] = self.original.nodes[place].clone();
+        for (place, node) in self.changed_nodes.drain(..) {
+            self.copy.nodes[place] = node;
         }
-        for place in self.changed_edges.drain(..) {
-            self.copy.edges[place] = self.original.edges[place].clone();
+        for (place, edge) in self.changed_edges.drain(..) {
+            self.copy.edges[place] = edge;
+        }
+        for (place, entry) in self.changed_between.drain(..) {
+            self.copy.between[place] = entry;
         }
     }
 
     fn change_node(&mut self, id: &EntityId, change: impl Fn(&mut Node)) {
         for (place, node) in self.copy.nodes.iter_mut().enumerate() {
             if node.id == *id {
+                self.changed_nodes.push((place, node.clone()));
                 change(node);
-                self.changed_nodes.push(place);
+            }
+        }
+    }
+
+    fn change_between(&mut self, middle: &EntityId, ends: [&EntityId; 2], to: f64) {
+        for (place, entry) in self.copy.between.iter_mut().enumerate() {
+            let has_ends = ends.iter().all(|end| entry.ends.contains(end));
+            if entry.middle == *middle && has_ends {
+                self.changed_between.push((place, entry.clone()));
+                entry.offset_m = to;
             }
         }
     }
@@ -140,11 +205,13 @@ impl<'g> Scratch<'g> {
         change: impl Fn(&mut SpatialRelation),
     ) {
         for (place, edge) in self.copy.edges.iter_mut().enumerate() {
-            if pairs.contains(&(&edge.from, &edge.to))
-                && let EdgeRelation::Spatial(relation) = &mut edge.relation
-            {
+            if !pairs.contains(&(&edge.from, &edge.to)) {
+                continue;
+            }
+            let before = edge.clone();
+            if let EdgeRelation::Spatial(relation) = &mut edge.relation {
                 change(relation);
-                self.changed_edges.push(place);
+                self.changed_edges.push((place, before));
             }
         }
     }
@@ -181,6 +248,27 @@ fn trade<T: Ord + Copy>(belief: &mut Belief<T>, asked: T, all: &[T], to: f64) {
     let to = to.clamp(0.0, sum);
     belief.0.insert(asked, to);
     belief.0.insert(other, sum - to);
+}
+
+/// A place on the same side of the line from the robot to an end, so far from it, metres.
+fn moved_aside([x, y, z]: [f64; 3], end: [f64; 3], offset_m: f64) -> [f64; 3] {
+    let length_m = end[0].hypot(end[1]);
+    let (along, left) =
+        ([end[0] / length_m, end[1] / length_m], [-end[1] / length_m, end[0] / length_m]);
+    let along_m = x * along[0] + y * along[1];
+    let side = (x * left[0] + y * left[1]).signum();
+    let [x, y] = [0, 1].map(|axis| along_m * along[axis] + side * offset_m * left[axis]);
+    [x, y, z]
+}
+
+/// The bearing of what comes first in the row from left to right.
+const STRAIGHT_BEHIND_DEG: f64 = 180.0;
+
+/// A place turned about another, counter-clockwise, degrees.
+fn turned([x, y, z]: [f64; 3], middle: [f64; 3], angle_deg: f64) -> [f64; 3] {
+    let (sin, cos) = angle_deg.to_radians().sin_cos();
+    let (x, y) = (x - middle[0], y - middle[1]);
+    [middle[0] + cos * x - sin * y, middle[1] + sin * x + cos * y, z]
 }
 
 fn set_distance(relation: &mut SpatialRelation, metres: f64) {

@@ -7,7 +7,7 @@ use jrdb_types::*;
 use super::graphs::Random;
 
 /// A question whose patterns are at most so deep.
-pub(super) fn random(random: &mut Random) -> Query {
+pub(crate) fn random(random: &mut Random) -> Query {
     let task = match random.below(4) {
         0 => Task::Count,
         1 => Task::Exists(Quantity::at_least(2)),
@@ -16,8 +16,17 @@ pub(super) fn random(random: &mut Random) -> Query {
     Query { task, target: pattern(random, 2), ..Query::default() }
 }
 
+/// A question of one condition, of whatever kind.
+pub(crate) fn single(random: &mut Random) -> Query {
+    let category = if random.chance(0.3) { Category::Anything } else { Category::Person };
+    let inner = condition(random, 2);
+    let inner = if random.chance(0.4) { Condition::Not(Box::new(inner)) } else { inner };
+    let conditions = vec![inner];
+    Query { target: Pattern { category, conditions, pick: None }, ..Query::default() }
+}
+
 /// A question about attributes and plain relations only.
-pub(super) fn plain(random: &mut Random) -> Query {
+pub(crate) fn plain(random: &mut Random) -> Query {
     let count = 1 + random.below(4);
     let mut conditions: Vec<Condition> = (0..count).map(|_| attribute(random)).collect();
     if random.chance(0.4) {

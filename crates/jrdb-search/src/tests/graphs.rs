@@ -6,15 +6,15 @@ use jrdb_types::entity::Between;
 use jrdb_types::vocab::PairWord;
 use jrdb_types::*;
 
-use crate::geometry::{apart_m, distance_word, robot_seen_by};
+use crate::geometry::{along, apart_m, distance_word, robot_seen_by};
 
-pub(super) const PHYSICAL: LateralConvention = LateralConvention::Physical;
+pub(crate) const PHYSICAL: LateralConvention = LateralConvention::Physical;
 
-pub(super) fn id(number: u32) -> EntityId {
+pub(crate) fn id(number: u32) -> EntityId {
     EntityId::new("pedestrian", number)
 }
 
-pub(super) fn person(number: u32, age: Age, gender: Gender, race: Race) -> Node {
+pub(crate) fn person(number: u32, age: Age, gender: Gender, race: Race) -> Node {
     let attributes = Attributes {
         age: Belief::certain(age),
         gender: Belief::certain(gender),
@@ -25,7 +25,7 @@ pub(super) fn person(number: u32, age: Age, gender: Gender, race: Race) -> Node 
 }
 
 /// Something of which nothing is known.
-pub(super) fn nobody(id: EntityId, category: &str) -> Node {
+pub(crate) fn nobody(id: EntityId, category: &str) -> Node {
     Node {
         bbox: PixelBox::from([f64::from(id.number), 0.0, 1.0, 1.0]),
         id,
@@ -42,7 +42,7 @@ pub(super) fn nobody(id: EntityId, category: &str) -> Node {
 }
 
 /// The same at a place, seen from the robot.
-pub(super) fn at(node: Node, center: [f64; 3], heading_rad: Option<f64>) -> Node {
+pub(crate) fn at(node: Node, center: [f64; 3], heading_rad: Option<f64>) -> Node {
     Node {
         center: Some(center),
         heading_rad,
@@ -52,25 +52,25 @@ pub(super) fn at(node: Node, center: [f64; 3], heading_rad: Option<f64>) -> Node
 }
 
 /// Where a place is, seen from another: the robot's, turned and moved.
-pub(super) fn seen(from: [f64; 3], heading_rad: f64, to: [f64; 3]) -> SpatialRelation {
+pub(crate) fn seen(from: [f64; 3], heading_rad: f64, to: [f64; 3]) -> SpatialRelation {
     let back = [0, 1, 2].map(|axis| from[axis] - to[axis]);
     robot_seen_by(back, heading_rad, PHYSICAL)
 }
 
-pub(super) fn edge(from: u32, to: u32, relation: SpatialRelation) -> Edge {
+pub(crate) fn edge(from: u32, to: u32, relation: SpatialRelation) -> Edge {
     Edge { from: id(from), to: id(to), relation: EdgeRelation::Spatial(relation) }
 }
 
-pub(super) fn pair(from: u32, to: u32, word: PairWord) -> Edge {
+pub(crate) fn pair(from: u32, to: u32, word: PairWord) -> Edge {
     Edge { from: id(from), to: id(to), relation: EdgeRelation::Pair { word, value: None } }
 }
 
-pub(super) fn deed(from: u32, to: u32, label: &str) -> Edge {
+pub(crate) fn deed(from: u32, to: u32, label: &str) -> Edge {
     let relation = EdgeRelation::Interaction { label: label.into() };
     Edge { from: id(from), to: id(to), relation }
 }
 
-pub(super) fn graph(nodes: Vec<Node>, edges: Vec<Edge>) -> SceneGraph {
+pub(crate) fn graph(nodes: Vec<Node>, edges: Vec<Edge>) -> SceneGraph {
     SceneGraph {
         frame: FrameId::default(),
         lateral: PHYSICAL,
@@ -82,7 +82,7 @@ pub(super) fn graph(nodes: Vec<Node>, edges: Vec<Edge>) -> SceneGraph {
 }
 
 /// The spatial edges of all pairs with places.
-pub(super) fn connected(nodes: Vec<Node>) -> SceneGraph {
+pub(crate) fn connected(nodes: Vec<Node>) -> SceneGraph {
     let mut edges = Vec::new();
     for from in &nodes {
         for to in nodes.iter().filter(|to| to.id != from.id) {
@@ -107,7 +107,7 @@ pub(super) fn connected(nodes: Vec<Node>) -> SceneGraph {
 }
 
 /// SplitMix64: the same numbers on every machine.
-pub(super) struct Random(pub(super) u64);
+pub(crate) struct Random(pub(crate) u64);
 
 impl Random {
     fn next(&mut self) -> u64 {
@@ -119,30 +119,30 @@ impl Random {
     }
 
     /// In `[0, 1)`.
-    pub(super) fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         (self.next() >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    pub(super) fn within(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn within(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
-    pub(super) fn below(&mut self, n: usize) -> usize {
+    pub(crate) fn below(&mut self, n: usize) -> usize {
         ((self.uniform() * n as f64) as usize).min(n.saturating_sub(1))
     }
 
-    pub(super) fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
+    pub(crate) fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
         all[self.below(all.len())]
     }
 
-    pub(super) fn chance(&mut self, probability: f64) -> bool {
+    pub(crate) fn chance(&mut self, probability: f64) -> bool {
         self.uniform() < probability
     }
 }
 
 /// How beliefs of random graphs look.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Beliefs {
+pub(crate) enum Beliefs {
     /// Certain, all known.
     Certain,
     /// Certain, uncertain or unknown.
@@ -150,8 +150,36 @@ pub(super) enum Beliefs {
 }
 
 /// A graph with a bit of everything, numbers and words in agreement; ends that are no nodes among them.
-pub(super) fn random(random: &mut Random, beliefs: Beliefs) -> SceneGraph {
+pub(crate) fn random(random: &mut Random, beliefs: Beliefs) -> SceneGraph {
     let people = 2 + random.below(7);
+    of_people(random, people, beliefs)
+}
+
+/// The same of 6 to 14 things, with who is really between whom besides; one in three with edges to the near only.
+pub(crate) fn crowd(random: &mut Random, beliefs: Beliefs) -> SceneGraph {
+    let people = 6 + random.below(7);
+    let mut graph = of_people(random, people, beliefs);
+    let nodes = graph.nodes.clone();
+    for (middle, a) in nodes.iter().flat_map(|m| nodes.iter().map(move |a| (m, a))) {
+        for b in nodes.iter().filter(|b| b.id > a.id && a.id != middle.id && b.id != middle.id) {
+            let (Some(m), Some(p), Some(q)) = (middle.center, a.center, b.center) else { continue };
+            let Some((offset_m, fraction)) = along(m, [p, q], 0.3) else { continue };
+            let ends = [a.id.clone(), b.id.clone()];
+            if offset_m <= 0.5 {
+                graph.between.push(Between { middle: middle.id.clone(), ends, offset_m, fraction });
+            }
+        }
+    }
+    if random.chance(0.3) {
+        graph.edges.retain(|edge| match &edge.relation {
+            EdgeRelation::Spatial(place) => place.distance <= Some(DistanceWord::Close),
+            _ => true,
+        });
+    }
+    graph
+}
+
+fn of_people(random: &mut Random, people: usize, beliefs: Beliefs) -> SceneGraph {
     let mut nodes: Vec<Node> =
         (0..people).map(|n| random_person(random, n as u32 * 2, beliefs)).collect();
     for number in 0..random.below(3) {

@@ -1,7 +1,7 @@
 //! What is said of an answer: replies, reasons, and what would change it.
 
 use jrdb_types::answer::{Effect, Reply, Unit};
-use jrdb_types::query::{Order, Place, Property, Viewpoint};
+use jrdb_types::query::{Category, Compared, Measure, Order, Place, Property, Viewpoint};
 use jrdb_types::vocab::{MatchPolicy, Sector};
 use jrdb_types::*;
 
@@ -60,12 +60,12 @@ fn properties_are_told_with_their_units() {
     let properties = vec![Property::Distance, Property::Direction, Property::SocialInteraction];
     let task = Task::Which { properties, in_order: false };
     let man = vec![Condition::Gender(Gender::Male)];
-    let wanted = ["1.4 m, close", "front, straight ahead", "conversation: pedestrian:2"];
+    let wanted = ["1.4 m, close", "front, straight ahead", "conversation: #2"];
     assert_eq!(told(task, man.clone()), wanted.map(|words| vec![words.to_owned()]));
     let around = Task::Which { properties: vec![Property::PeopleAround], in_order: false };
-    assert_eq!(told(around, man), [["pedestrian:2: left, 90 deg to the left, 1.2 m, close"]]);
+    assert_eq!(told(around, man), [["#2: left, 90° to the left, 1.2 m, close"]]);
     let elderly = vec![Condition::Age(Age::Elderly)];
-    let place = "4.0 m, moderate; front, straight ahead, next to table table:1 (0.7 m)";
+    let place = "4.0 m, moderate; front, straight ahead, next to table:1 (0.7 m)";
     assert_eq!(told(Task::Where, elderly), [[place]]);
 }
 
@@ -203,4 +203,72 @@ fn every_change_is_real() {
         }
     }
     assert!(tried > 300, "{tried}");
+}
+
+/// The only change of place told under `strict`, if there is one.
+fn change_of_place(scene: &SceneGraph, conditions: Vec<Condition>, of: u32) -> answer::Change {
+    let changes = sensitivity(scene, &ask(conditions), &under(MatchPolicy::Strict));
+    let of_place = |c: &answer::Change| c.id == id(of) && c.measured.unit != Unit::Probability;
+    changes.into_iter().find(of_place).expect("a change of place")
+}
+
+#[test]
+fn somebody_beside_another_leaves_the_answer_by_going_round() {
+    let place = Place::Direction(Direction::level(Sector::Left));
+    let kinds = vec![RelationKind::Placed { place, viewpoint: Viewpoint::Robot }];
+    let partner =
+        Pattern { conditions: vec![Condition::Gender(Gender::Male)], ..Pattern::default() };
+    let left = Condition::Related(Related { kinds, partner, quantity: Quantity::SOME });
+    let change = change_of_place(&scene(), vec![left.clone()], 2);
+    assert_eq!((change.effect, change.witness), (Effect::Leaves, Some(id(1))));
+    assert!((change.measured.value - 90.0).abs() < 1e-9 && (change.to - 90.0).abs() > 44.0);
+    for (further, is_in) in [(-1e-3, true), (1e-3, false)] {
+        // 90 degrees is straight left of the man; towards the robot, which is at 0, the angle falls.
+        let angle = (change.to + further * (change.to - 90.0).signum()).to_radians();
+        let mut moved = scene();
+        moved.nodes[1].center = Some([1.4 - 1.2 * angle.cos(), 1.2 * angle.sin(), 0.0]);
+        let found = search(&moved, &ask(vec![left.clone()]), &under(MatchPolicy::Strict));
+        assert_eq!(found.selection.contains(&id(2)), is_in, "{further}");
+    }
+}
+
+#[test]
+fn somebody_nearer_or_farther_left_than_another_changes_places_with_them() {
+    let than = Pattern { conditions: vec![Condition::Gender(Gender::Male)], ..Pattern::default() };
+    let compared = |measure| {
+        let (order, than) = (Order::Least, Box::new(than.clone()));
+        vec![Condition::Compared(Compared { measure, order, than })]
+    };
+    let robot = Pattern::of(Category::Robot);
+    let nearer = change_of_place(&scene(), compared(Measure::DistanceTo(Box::new(robot))), 2);
+    assert_eq!((nearer.effect, nearer.to), (Effect::Enters, 1.4));
+    let left = change_of_place(&scene(), compared(Measure::FromLeft), 2);
+    assert_eq!((left.effect, left.to), (Effect::Leaves, 180.0));
+    let mut moved = scene();
+    for (bearing_deg, is_in) in [(1e-3_f64, true), (-1e-3, false)] {
+        moved.nodes[1].from_robot.as_mut().unwrap().bearing_rad = Some(bearing_deg.to_radians());
+        let query = ask(compared(Measure::FromLeft));
+        let found = search(&moved, &query, &under(MatchPolicy::Strict));
+        assert_eq!(found.selection.contains(&id(2)), is_in);
+    }
+}
+
+#[test]
+fn somebody_between_the_robot_and_another_leaves_the_line() {
+    let mut scene = scene();
+    scene.nodes[0].center = Some([1.4, 0.2, 0.0]);
+    let end = Pattern { conditions: vec![Condition::Age(Age::Elderly)], ..Pattern::default() };
+    let between = vec![Condition::Related(Related {
+        kinds: vec![RelationKind::Between(Box::new(end))],
+        partner: Pattern::of(Category::Robot),
+        quantity: Quantity::SOME,
+    })];
+    let change = change_of_place(&scene, between.clone(), 1);
+    assert_eq!((change.effect, change.to, change.witness), (Effect::Leaves, 0.5, Some(id(3))));
+    assert!((change.measured.value - 0.2).abs() < 1e-9);
+    for (left_m, is_in) in [(0.499, true), (0.501, false)] {
+        scene.nodes[0].center = Some([1.4, left_m, 0.0]);
+        let found = search(&scene, &ask(between.clone()), &under(MatchPolicy::Strict));
+        assert_eq!(found.selection.contains(&id(1)), is_in, "{left_m}");
+    }
 }

@@ -1,0 +1,160 @@
+//! The subject of a question, where it ends and what is asked of it begins: "is the tallest person | sitting?"
+
+use jrdb_types::query::{Category, Quantity, RelationKind};
+use jrdb_types::vocab::PairWord;
+use jrdb_types::{Condition, Pattern};
+
+use crate::coordination::set_count;
+use crate::joined::split_from;
+use crate::lexicon::{Role, Roles};
+use crate::noun::Thing;
+use crate::parser::Parser;
+use crate::place::related;
+use crate::question::Target;
+
+/// What begins a place that may belong to the subject.
+const PLACES: Roles = Roles::of(&[
+    Role::At,
+    Role::To,
+    Role::Located,
+    Role::Near,
+    Role::Far,
+    Role::Sector,
+    Role::With,
+    Role::Without,
+    Role::Between,
+    Role::Superlative,
+]);
+
+/// What ends a clause about what somebody else does.
+const CLAUSE_ENDS: Roles =
+    Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Then, Role::During, Role::Is]);
+
+impl Parser<'_> {
+    /// Reads the rest of "is the tallest person near the door sitting": the places are the subject's, unless nothing
+    /// follows them. Then they are what is asked.
+    pub(crate) fn told_of(&mut self, mut thing: Thing) -> Target {
+        set_count(&mut thing.pattern, thing.count);
+        let mut subject = thing.pattern.conditions.len();
+        let mut picks_last = false;
+        while self.is_place_of_subject() {
+            let (length, had_pick) = (thing.pattern.conditions.len(), thing.pattern.pick.is_some());
+            if self.is(Role::Superlative) && had_pick || !self.place_of_subject(&mut thing.pattern)
+            {
+                break;
+            }
+            (subject, picks_last) = (length, !had_pick && thing.pattern.pick.is_some());
+        }
+        if self.is(Role::Who) {
+            return self.finish(thing);
+        }
+        let mut asked = Vec::new();
+        if self.is_end() || self.roles().has_any(CLAUSE_ENDS) {
+            asked = split_from(&mut thing.pattern.conditions, subject);
+            let pick = thing.pattern.pick.take_if(|_| picks_last);
+            asked.extend(pick.map(|pick| {
+                let of = Pattern::of(thing.pattern.category.clone());
+                Condition::Is(Box::new(Pattern { pick: Some(pick), ..of }))
+            }));
+        }
+        let is_bare = asked.is_empty() && self.is_end();
+        if let Some(pick) = thing.pattern.pick.as_ref().filter(|_| !is_bare) {
+            thing.count = Some((pick.count, thing.start));
+            identify(&mut thing.pattern);
+        }
+        let head = thing.pattern.conditions.len();
+        thing.pattern.conditions.extend(asked);
+        self.is_one_of(&mut thing.pattern);
+        Target { head, ..self.finish(thing) }
+    }
+
+    fn is_place_of_subject(&self) -> bool {
+        let mutual = RelationKind::Pair(PairWord::Adjacent);
+        let is_beside = self.is(Role::Relation) && self.entry().relation.as_ref() == Some(&mutual);
+        let is_length = self.roles().has_any(Roles::of(&[Role::Number, Role::Limit]));
+        is_beside || is_length || self.roles().has_any(PLACES)
+    }
+
+    fn place_of_subject(&mut self, pattern: &mut Pattern) -> bool {
+        !self.is_end() && self.predicate(pattern, crate::predicate::Behind::Noun)
+    }
+
+    /// "a woman", "the tallest" behind the subject of a question.
+    fn is_one_of(&mut self, pattern: &mut Pattern) {
+        let mark = self.mark();
+        if !self.roles().has_any(Roles::of(&[Role::The, Role::A, Role::Noun])) {
+            return;
+        }
+        match self.thing() {
+            Some(thing) if thing.pattern.category != pattern.category => self.reset(mark),
+            Some(thing) if thing.pattern.pick.is_some() => {
+                pattern.conditions.push(Condition::Is(Box::new(thing.pattern)));
+            }
+            Some(thing) => pattern.conditions.extend(thing.pattern.conditions),
+            None => self.reset(mark),
+        }
+    }
+
+    /// "the man is talking to" behind "the woman", "is the man carrying" behind "which box": what somebody else does with
+    /// this thing.
+    pub(crate) fn done_by_another(&mut self, pattern: &mut Pattern) -> bool {
+        const FIRST: Roles = Roles::of(&[Role::Who, Role::Is, Role::Doing]);
+        const DETERMINERS: Roles = Roles::of(&[Role::The, Role::A, Role::Number]);
+        let start = self.after(self.at, FIRST);
+        let is_that = start > self.at && self.is_at(start - 1, Role::The);
+        let has_name = self.roles_at(start).has_any(DETERMINERS) || is_that;
+        let is_negated = (self.at..start).any(|at| self.is_at(at, Role::Not));
+        if start > self.at + 2 || !has_name || is_negated || !self.is_doer_at(start) {
+            return false;
+        }
+        let mark = self.mark();
+        self.at = start;
+        let done = self.thing().and_then(|other| self.deed_of(other, &pattern.category));
+        match done {
+            Some(done) => pattern.conditions.push(done),
+            None => self.reset(mark),
+        }
+        self.at > start
+    }
+
+    /// Whether a plain name and what its thing does stand at a place.
+    fn is_doer_at(&self, at: usize) -> bool {
+        const DEEDS: Roles = Roles::of(&[Role::Deed, Role::Action, Role::Has]);
+        let verb = |noun| self.after(noun + 1, Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
+        let noun = self.noun_at(self.after(at, Roles::of(&[Role::The, Role::A])));
+        noun.is_some_and(|noun| self.roles_at(verb(noun)).has_any(DEEDS))
+    }
+
+    /// What a thing does with one of the category that the clause is about, which is not named again.
+    fn deed_of(&mut self, other: Thing, category: &Category) -> Option<Condition> {
+        let quantity = other.how_many();
+        let mut doer = other.pattern;
+        self.skip(Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
+        let entry = self.entry();
+        self.at += 1;
+        let is_person = *category == Category::Person;
+        let kind = if let (Some(label), true) = (&entry.people, is_person) {
+            let has_with = self.take(Role::With) || self.take(Role::To);
+            (has_with || entry.says.is_empty()).then(|| RelationKind::Interaction(label.clone()))?
+        } else if entry.roles.has(Role::Has) {
+            RelationKind::With
+        } else if !is_person && entry.roles.has(Role::Action) && self.take(Role::At) {
+            doer.conditions.extend(entry.says.iter().cloned());
+            RelationKind::With
+        } else {
+            let deed = vec![RelationKind::Interaction(entry.object.clone()?)];
+            let with = Pattern::of(category.clone());
+            doer.conditions.push(related(deed, with, Quantity::SOME));
+            RelationKind::With
+        };
+        let ends = self.is_end() || self.roles().has_any(CLAUSE_ENDS);
+        ends.then(|| related(vec![kind], doer, quantity))
+    }
+}
+
+/// Makes a choice a condition, so that what is said next is said of the one chosen, and chooses no other.
+pub(crate) fn identify(pattern: &mut Pattern) {
+    let category = pattern.category.clone();
+    let chosen = std::mem::replace(pattern, Pattern::of(category));
+    pattern.conditions.push(Condition::Is(Box::new(chosen)));
+}
