@@ -160,7 +160,7 @@ fn rows_of(check: &Check, depth: usize, rows: &mut Vec<Row>) {
             witness,
         ],
     });
-    // A relation's only part says what it says itself.
+    // A relation's only part says what it says itself, and so do alternatives of one attribute.
     let parts = check.parts.iter().filter(|part| part.found != check.found);
     parts.for_each(|part| rows_of(part, depth + 1, rows));
 }

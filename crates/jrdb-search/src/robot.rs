@@ -50,9 +50,14 @@ impl Searcher<'_, '_> {
         Some((found, Link { truth: place::truth(asked, &found), probability }))
     }
 
+    /// Where the robot is for somebody who faces it.
+    pub(crate) fn ahead(&self) -> Place {
+        Place::Degrees { center: 0.0, half_width: self.config.facing_half_angle_deg }
+    }
+
     /// Facing the robot has no limit of range; next to it is close to it. Of the other words nothing is known.
     pub(crate) fn robot_word(&self, node: &Node, word: PairWord) -> Link {
-        let ahead = Place::Degrees { center: 0.0, half_width: self.config.facing_half_angle_deg };
+        let ahead = self.ahead();
         let place = |asked: &Place, subject_looks| {
             self.robot_place(node, asked, subject_looks).map_or(Link::UNKNOWN, |(_, link)| link)
         };

@@ -10,7 +10,7 @@ use crate::evaluate::{Column, Evaluated, Inner};
 use crate::link::{Kinds, Link, Partner};
 use crate::measure::{Comparison, in_order, unit};
 use crate::searcher::{Searcher, is_distance};
-use crate::value::{NOBODY, Value};
+use crate::value::{NOBODY, Truth, Value};
 use crate::{attribute, found, measure, place, wording};
 
 /// A pick, made: who is in which place of the order.
@@ -103,11 +103,15 @@ impl Searcher<'_, '_> {
                 let unit = measure::unit(&compared.measure);
                 self.comparison_check(number, comparison, unit, compared.order, base)
             }
-            (_, Inner::Pattern(those)) => Check { parts: self.checks(number, those), ..base },
+            (_, Inner::Pattern(those)) => {
+                let (found, parts) = (said(value.truth, "it is"), self.checks(number, those));
+                Check { found, parts, ..base }
+            }
             (_, Inner::Parts(parts)) => {
                 let parts: Vec<Check> = parts.iter().map(|part| self.check(number, part)).collect();
-                let found: Vec<String> =
+                let mut found: Vec<String> =
                     parts.iter().filter_map(|part| part.found.clone()).collect();
+                found.dedup();
                 Check { found: (!found.is_empty()).then(|| found.join("; ")), parts, ..base }
             }
             (condition, _) => {
@@ -193,7 +197,7 @@ impl Searcher<'_, '_> {
             }
             RelationKind::Pair(word) => {
                 let link = Link::certain(self.word(subject, partner, *word));
-                Check { found: link.truth.holds().then(|| word.to_string()), ..of_link(link, base) }
+                Check { found: said(link.truth, word.word()), ..of_link(link, base) }
             }
             RelationKind::Interaction(label) => {
                 let deeds: Vec<&str> = self.deeds(subject, partner).collect();
@@ -264,8 +268,14 @@ impl Searcher<'_, '_> {
             }
             RelationKind::Pair(word) => {
                 let link = self.robot_word(node, *word);
+                let ahead = self.ahead();
+                let robot = self.robot_place(node, &ahead, true).map(|(relation, _)| relation);
+                let robot = robot.filter(|_| *word == PairWord::Facing);
+                let angle = robot.and_then(|relation| found::direction(&relation));
+                let found = angle.map(|angle| format!("the robot at {angle}"));
                 Check {
-                    found: link.truth.holds().then(|| format!("{word} the robot")),
+                    found: found.or_else(|| said(link.truth, word.word())),
+                    measured: robot.and_then(|r| place::measure(&ahead, &r, self.lateral())),
                     ..of_link(link, base)
                 }
             }
@@ -295,6 +305,15 @@ impl Searcher<'_, '_> {
             witnesses: hardest.and_then(|(n, _)| self.index.id(n)).into_iter().cloned().collect(),
             ..base
         }
+    }
+}
+
+/// What holds in words, or that it does not; nothing where that is unknown.
+fn said(truth: Truth, words: &str) -> Option<String> {
+    match truth {
+        Truth::Yes => Some(words.into()),
+        Truth::No => Some("no".into()),
+        Truth::Unknown => None,
     }
 }
 

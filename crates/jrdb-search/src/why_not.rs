@@ -87,7 +87,9 @@ impl fmt::Display for WhyNot<'_> {
             Self::Outranked { probability, selected: None } => {
                 write!(f, "nothing is selected; its probability is {probability:.2}")
             }
-            Self::Outranked { probability, selected: Some(least) } if probability == least => {
+            Self::Outranked { probability, selected: Some(least) }
+                if probability - least > -0.005 =>
+            {
                 f.write_str("others satisfy more of what was asked")
             }
             Self::Outranked { probability, selected: Some(least) } => {
