@@ -48,16 +48,15 @@ type Outcome<T> = Result<T, Box<dyn Error>>;
 fn main() -> Outcome<()> {
     let folder = std::env::args().nth(1).ok_or("expected the folder of the inputs")?;
     let folder = Path::new(&folder);
+    let mut rows = vec![parse_row(list(&read(&folder.join("f/texts.json"))?)?)?];
     let asked = read(&folder.join("d/queries.json"))?;
     let asked: Vec<Value> =
         list(&asked)?.iter().filter(|asked| !asks_for_others(asked)).cloned().collect();
     let queries: Vec<Query> = asked.iter().map(query).collect::<Outcome<_>>()?;
-    let mut rows = Vec::new();
     for n in SIZES {
         let scene = read(&folder.join(format!("d/graph_{n}.json")))?;
         rows.extend(graph_rows(n, &scene, (&asked, &queries)).map_err(|e| format!("n={n}: {e}"))?);
     }
-    rows.push(parse_row(list(&read(&folder.join("f/texts.json"))?)?)?);
     println!("{}", json!({ "rows": rows }));
     Ok(())
 }
