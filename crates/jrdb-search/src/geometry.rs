@@ -3,58 +3,19 @@
 use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Direction, DistanceWord, LateralConvention, SpatialRelation};
 
-/// Something farther up or down than this is not level any more, metres (JRDB-Reasoning `Position_relative_to_Ref`).
-pub(crate) const LEVEL_RISE_MAX_M: f64 = 1.5;
-
 /// An angle within half a turn of another, degrees.
 pub(crate) fn near_deg(angle: f64, middle: f64) -> f64 {
     middle + (angle - middle + 180.0).rem_euclid(360.0) - 180.0
-}
-
-/// The word for a distance in metres: right-closed bins.
-pub(crate) fn distance_word(distance_m: f64) -> Option<DistanceWord> {
-    DistanceWord::ALL.iter().copied().find(|word| distance_m <= word.bounds_m().1)
-}
-
-/// The sector of an angle, degrees counter-clockwise from the front. Front has both its bounds; else a sector to the left
-/// has its bound farther from the front, and so has one to the right (JRDB-Reasoning `Position_relative_to_Ref`).
-pub(crate) fn physical_sector(angle_deg: f64) -> Sector {
-    match near_deg(angle_deg, 0.0) {
-        a if (-30.0..=30.0).contains(&a) => Sector::Front,
-        a if a > 30.0 && a <= 45.0 => Sector::FrontLeft,
-        a if a > 45.0 && a <= 135.0 => Sector::Left,
-        a if a > 135.0 && a <= 145.0 => Sector::BackLeft,
-        a if a > -45.0 && a < -30.0 => Sector::FrontRight,
-        a if a > -135.0 && a <= -45.0 => Sector::Right,
-        a if a > -145.0 && a <= -135.0 => Sector::BackRight,
-        _ => Sector::Back,
-    }
-}
-
-/// The sector as a convention names it.
-pub(crate) fn named(physical: Sector, lateral: LateralConvention) -> Sector {
-    match lateral {
-        LateralConvention::Physical => physical,
-        LateralConvention::EngineHead => physical.mirrored(),
-    }
-}
-
-fn elevation(rise_m: f64) -> Elevation {
-    match rise_m {
-        rise if rise > LEVEL_RISE_MAX_M => Elevation::Up,
-        rise if rise < -LEVEL_RISE_MAX_M => Elevation::Down,
-        _ => Elevation::Level,
-    }
 }
 
 /// Numbers and words for something so far ahead, to the physical left and up, metres.
 fn relation(ahead: f64, left: f64, up: f64, lateral: LateralConvention) -> SpatialRelation {
     let distance_m = ahead.hypot(left).hypot(up);
     let bearing_rad = left.atan2(ahead);
-    let sector = named(physical_sector(bearing_rad.to_degrees()), lateral);
+    let sector = Sector::of_degrees(bearing_rad.to_degrees()).named(lateral);
     SpatialRelation {
-        distance: distance_word(distance_m),
-        direction: Some(Direction { sector, elevation: elevation(up) }),
+        distance: DistanceWord::of_metres(distance_m),
+        direction: Some(Direction { sector, elevation: Elevation::of_rise(up) }),
         distance_m: Some(distance_m),
         bearing_rad: Some(bearing_rad),
         rise_m: Some(up),
@@ -115,20 +76,6 @@ mod tests {
 
     fn sector(relation: &SpatialRelation) -> &'static str {
         relation.direction.map_or("", |direction| direction.sector.word())
-    }
-
-    #[test]
-    fn bounds_belong_to_the_benchmark_s_sectors() {
-        let at = |degrees: f64| physical_sector(degrees).word();
-        assert_eq!(
-            [at(30.0), at(45.0), at(135.0), at(145.0)],
-            ["front", "front left", "left", "back left"]
-        );
-        assert_eq!(
-            [at(-30.0), at(-45.0), at(-135.0), at(-145.0)],
-            ["front", "right", "back right", "back"]
-        );
-        assert_eq!([at(180.0), at(190.0), at(315.0)], ["back", "back", "right"]);
     }
 
     #[test]

@@ -2,10 +2,10 @@
 
 use jrdb_types::answer::{Measured, Unit};
 use jrdb_types::query::{Interval, Place};
-use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::vocab::{Elevation, LEVEL_RISE_MAX_M, Sector};
 use jrdb_types::{LateralConvention, SpatialRelation};
 
-use crate::geometry::{LEVEL_RISE_MAX_M, named, near_deg};
+use crate::geometry::near_deg;
 use crate::value::Truth;
 use crate::{SearchConfig, probability};
 
@@ -111,7 +111,7 @@ pub(crate) fn measure(
 
 /// From and to, degrees counter-clockwise.
 fn sector_bounds(sector: Sector, lateral: LateralConvention) -> (f64, f64) {
-    named(sector, lateral).bounds_deg()
+    sector.named(lateral).bounds_deg()
 }
 
 fn rise(found: &SpatialRelation, asked: Elevation) -> Option<Measured> {

@@ -3,7 +3,7 @@
 use jrdb_types::query::Interval;
 use jrdb_types::{Direction, DistanceWord, SpatialRelation};
 
-use crate::geometry::{named, near_deg};
+use crate::geometry::near_deg;
 use crate::place::View;
 
 /// Probability that the true distance lies in the word's bin: a normal distribution around the measured
@@ -42,7 +42,7 @@ pub(crate) fn of_direction(relation: &SpatialRelation, asked: Direction, view: &
         return 0.0;
     }
     let sector = |direction: Direction, heading_sigma_rad| {
-        let (low, high) = named(direction.sector, view.lateral).bounds_deg();
+        let (low, high) = direction.sector.named(view.lateral).bounds_deg();
         let sigma = bearing_sigma_deg(distance_m, heading_sigma_rad, view);
         on_circle(bearing_rad.to_degrees(), low, high, sigma)
     };
@@ -159,7 +159,6 @@ pub(crate) fn of_count(
 mod tests {
     use super::*;
     use crate::SearchConfig;
-    use crate::geometry::physical_sector;
     use crate::place::Heading;
     use jrdb_types::LateralConvention;
     use jrdb_types::vocab::Sector;
@@ -173,7 +172,7 @@ mod tests {
         SpatialRelation {
             distance_m: Some(distance_m),
             bearing_rad: Some(bearing_rad),
-            direction: Some(Direction::level(physical_sector(bearing_rad.to_degrees()))),
+            direction: Some(Direction::level(Sector::of_degrees(bearing_rad.to_degrees()))),
             ..SpatialRelation::default()
         }
     }

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use jrdb_graph::{BitSet, GraphIndex};
+use jrdb_types::object;
 use jrdb_types::query::{Category, Interval, Measure, Place};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Node, Pattern, SpatialRelation};
@@ -57,7 +58,8 @@ impl<'i, 'a> Searcher<'i, 'a> {
             }
             Category::Class(name) => {
                 let mut set = BitSet::new(size);
-                (0..size).filter(|&n| self.class(n) == Some(name)).for_each(|n| set.insert(n));
+                let is_meant = |n| self.class(n).is_some_and(|found| object::may_be(found, name));
+                (0..size).filter(|&n| is_meant(n)).for_each(|n| set.insert(n));
                 Cow::Owned(set)
             }
         }

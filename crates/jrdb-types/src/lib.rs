@@ -9,6 +9,7 @@ pub mod graph;
 pub mod id;
 pub mod issue;
 pub mod lens;
+pub mod object;
 pub mod query;
 pub mod question;
 pub mod rig;

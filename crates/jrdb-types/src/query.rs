@@ -125,7 +125,7 @@ pub enum Category {
     Object,
     /// A person or an object.
     Anything,
-    /// Objects of one class, in the graph's words.
+    /// Objects of one class; [`crate::object::may_be`] says which of the graph's classes are meant.
     Class(String),
     /// The robot itself: at the origin of the base frame, facing along x. Only partners are robots.
     Robot,

@@ -122,6 +122,12 @@ vocabulary! {
 }
 
 impl DistanceWord {
+    /// The word for a distance in metres; none when it is not a number.
+    #[must_use]
+    pub fn of_metres(distance_m: f64) -> Option<Self> {
+        Self::ALL.iter().copied().find(|word| distance_m <= word.bounds_m().1)
+    }
+
     /// Lower bound (exclusive) and upper bound (inclusive), metres.
     #[must_use]
     pub const fn bounds_m(self) -> (f64, f64) {
@@ -158,6 +164,34 @@ vocabulary! {
 }
 
 impl Sector {
+    /// The sector of an angle, degrees counter-clockwise from the front, under the physical convention (JRDB-Reasoning
+    /// `Position_relative_to_Ref` as it was before left and right were exchanged): `[-30, 30]` front, `(30, 45]` front left,
+    /// `(45, 135]` left, `(135, 145]` back left, `(-45, -30)` front right, `(-135, -45]` right, `(-145, -135]` back right, else back.
+    #[must_use]
+    pub fn of_degrees(angle: f64) -> Self {
+        // Angles of the usual half turns keep their last bit, on which the bounds depend.
+        let is_usual = angle.abs() <= 180.0;
+        match if is_usual { angle } else { (angle + 180.0).rem_euclid(360.0) - 180.0 } {
+            a if (-30.0..=30.0).contains(&a) => Self::Front,
+            a if a > 30.0 && a <= 45.0 => Self::FrontLeft,
+            a if a > 45.0 && a <= 135.0 => Self::Left,
+            a if a > 135.0 && a <= 145.0 => Self::BackLeft,
+            a if a > -45.0 && a < -30.0 => Self::FrontRight,
+            a if a > -135.0 && a <= -45.0 => Self::Right,
+            a if a > -145.0 && a <= -135.0 => Self::BackRight,
+            _ => Self::Back,
+        }
+    }
+
+    /// The name of this sector under a convention.
+    #[must_use]
+    pub const fn named(self, lateral: LateralConvention) -> Self {
+        match lateral {
+            LateralConvention::Physical => self,
+            LateralConvention::EngineHead => self.mirrored(),
+        }
+    }
+
     /// The same sector with left and right exchanged.
     #[must_use]
     pub const fn mirrored(self) -> Self {
@@ -174,8 +208,8 @@ impl Sector {
     }
 
     /// From and to, degrees counter-clockwise (towards the physical left), under the physical
-    /// convention; `Back` goes from 145 to 215. Which bound belongs to which sector is
-    /// `jrdb_projection::relation::direction`'s business.
+    /// convention; `Back` goes from 145 to 215. Which bound belongs to which sector says
+    /// [`Sector::of_degrees`].
     #[must_use]
     pub const fn bounds_deg(self) -> (f64, f64) {
         match self {
@@ -200,6 +234,21 @@ vocabulary! {
         Up = "up",
         /// More than 1.5 m lower.
         Down = "down",
+    }
+}
+
+/// Something farther up or down than this is not level any more, metres (JRDB-Reasoning `Position_relative_to_Ref`).
+pub const LEVEL_RISE_MAX_M: f64 = 1.5;
+
+impl Elevation {
+    /// The word for a height difference, metres: up or down beyond [`LEVEL_RISE_MAX_M`].
+    #[must_use]
+    pub fn of_rise(rise_m: f64) -> Self {
+        match rise_m {
+            rise if rise > LEVEL_RISE_MAX_M => Self::Up,
+            rise if rise < -LEVEL_RISE_MAX_M => Self::Down,
+            _ => Self::Level,
+        }
     }
 }
 
@@ -364,6 +413,20 @@ mod tests {
         for sector in Sector::ALL {
             assert_eq!(sector.mirrored().mirrored(), *sector);
         }
+    }
+
+    #[test]
+    fn shared_bounds_belong_to_the_benchmark_s_sector() {
+        let exact = |degrees: f64| Sector::of_degrees(degrees).word();
+        assert_eq!(
+            [exact(30.0), exact(45.0), exact(135.0), exact(145.0)],
+            ["front", "front left", "left", "back left"]
+        );
+        assert_eq!(
+            [exact(-30.0), exact(-45.0), exact(-135.0), exact(-145.0)],
+            ["front", "right", "back right", "back"]
+        );
+        assert_eq!([exact(180.0), exact(190.0), exact(315.0)], ["back", "back", "right"]);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use jrdb_types::DistanceWord;
 /// ```
 #[must_use]
 pub fn word(distance_m: f64) -> Option<DistanceWord> {
-    DistanceWord::ALL.iter().copied().find(|word| distance_m <= word.bounds_m().1)
+    DistanceWord::of_metres(distance_m)
 }
 
 #[cfg(test)]

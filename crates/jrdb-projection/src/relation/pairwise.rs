@@ -1,10 +1,10 @@
 //! Distance and direction words of all ordered pairs at once, without an arc tangent.
 
-use jrdb_types::vocab::Sector;
+use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Direction, DistanceWord, LateralConvention};
 use nalgebra::Point3;
 
-use super::{direction, distance};
+use super::distance;
 use crate::simd::{Loop, vectorised};
 
 /// Sines and cosines of the four bounds of the sectors: 30°, 45°, 135° and 145°.
@@ -186,10 +186,10 @@ impl Pairwise {
         let (sector, rise_m) = (self.physical_sector(from, to), self.rise_m(from, to));
         match self.lateral {
             LateralConvention::Physical => {
-                Direction { sector, elevation: direction::elevation(rise_m) }
+                Direction { sector, elevation: Elevation::of_rise(rise_m) }
             }
             LateralConvention::EngineHead => {
-                Direction { sector: sector.mirrored(), elevation: direction::elevation(-rise_m) }
+                Direction { sector: sector.mirrored(), elevation: Elevation::of_rise(-rise_m) }
             }
         }
     }

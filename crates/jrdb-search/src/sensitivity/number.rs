@@ -2,13 +2,14 @@
 
 use jrdb_types::answer::Unit;
 use jrdb_types::entity::Between;
+use jrdb_types::vocab::Sector;
 use jrdb_types::{
-    Action, Age, Belief, Condition, Edge, EdgeRelation, EntityId, Gender, LateralConvention, Node,
-    Race, SceneGraph, SpatialRelation,
+    Action, Age, Belief, Condition, DistanceWord, Edge, EdgeRelation, EntityId, Gender,
+    LateralConvention, Node, Race, SceneGraph, SpatialRelation,
 };
 
 use crate::attribute::rival;
-use crate::geometry::{apart_m, distance_word, named, near_deg, physical_sector};
+use crate::geometry::{apart_m, near_deg};
 
 /// Which number of a graph.
 pub(super) enum Number<'q> {
@@ -274,13 +275,13 @@ fn turned([x, y, z]: [f64; 3], middle: [f64; 3], angle_deg: f64) -> [f64; 3] {
 fn set_distance(relation: &mut SpatialRelation, metres: f64) {
     relation.distance_m = Some(metres);
     if relation.distance.is_some() {
-        relation.distance = distance_word(metres);
+        relation.distance = DistanceWord::of_metres(metres);
     }
 }
 
 fn set_bearing(relation: &mut SpatialRelation, degrees: f64, lateral: LateralConvention) {
     relation.bearing_rad = Some(near_deg(degrees, 0.0).to_radians());
     if let Some(direction) = &mut relation.direction {
-        direction.sector = named(physical_sector(degrees), lateral);
+        direction.sector = Sector::of_degrees(degrees).named(lateral);
     }
 }

@@ -6,7 +6,7 @@ use jrdb_types::entity::Between;
 use jrdb_types::vocab::PairWord;
 use jrdb_types::*;
 
-use crate::geometry::{along, apart_m, distance_word, robot_seen_by};
+use crate::geometry::{along, apart_m, robot_seen_by};
 
 pub(crate) const PHYSICAL: LateralConvention = LateralConvention::Physical;
 
@@ -91,7 +91,7 @@ pub(crate) fn connected(nodes: Vec<Node>) -> SceneGraph {
                 Some(heading) => seen(a, heading, b),
                 None => {
                     let distance_m = apart_m(a, b);
-                    let distance = distance_word(distance_m);
+                    let distance = DistanceWord::of_metres(distance_m);
                     SpatialRelation {
                         distance,
                         distance_m: Some(distance_m),

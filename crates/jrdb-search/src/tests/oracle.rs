@@ -141,7 +141,9 @@ impl<'g> World<'g> {
             Category::Person => is_person,
             Category::Object => !is_person,
             Category::Anything => true,
-            Category::Class(name) => node.map_or(&id.class, |node| &node.category) == name,
+            Category::Class(name) => {
+                object::may_be(node.map_or(&id.class, |node| &node.category), name)
+            }
             Category::Robot => false,
         }
     }

@@ -158,7 +158,7 @@ fn altered(scene: &SceneGraph, change: &answer::Change, value: f64) -> Option<Sc
     if change.measured.unit == Unit::Metres && change.condition.ends_with("from the robot") {
         let place = node.from_robot.as_mut()?;
         place.distance_m = Some(value);
-        place.distance = crate::geometry::distance_word(value);
+        place.distance = DistanceWord::of_metres(value);
         return Some(scene);
     }
     let gender = change.condition.strip_prefix("gender ").and_then(Gender::from_word)?;
