@@ -2,7 +2,7 @@
 
 use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 
-use crate::engine::EngineError;
+use crate::engine::{Cause, EngineError};
 
 /// Finds things in an image.
 pub trait Detector {
@@ -59,6 +59,32 @@ pub enum PerceptionError {
         expected: String,
         /// Type and shape found.
         found: String,
+    },
+    /// A JSON file beside a model is not what its name says.
+    #[error("expected a model's {file}")]
+    File {
+        /// Its usual name.
+        file: &'static str,
+        /// What is wrong.
+        #[source]
+        source: serde_json::Error,
+    },
+    /// A tokenizer cannot be read, or cannot spell a text.
+    #[error("the tokenizer could not be used")]
+    Tokens(#[source] Cause),
+    /// A vocabulary lacks a token that the model needs.
+    #[error("expected the token {token:?} in the vocabulary, found none")]
+    Token {
+        /// The token.
+        token: String,
+    },
+    /// A graph is not the one that the code knows.
+    #[error("expected a graph with {expected}, found {known:?}")]
+    Graph {
+        /// What it should have.
+        expected: &'static str,
+        /// What it has.
+        known: Vec<String>,
     },
     /// The engine could not load or run the model.
     #[error("the model could not be used")]

@@ -1,12 +1,14 @@
 //! Named tensors in, named tensors out: what every model is run through.
 
+mod held;
 mod ort;
 mod rten;
 
 use std::error::Error;
 use std::path::PathBuf;
 
-pub use self::ort::{OrtEngine, OrtLibrary};
+pub use self::held::{Held, Input};
+pub use self::ort::{OrtEngine, OrtLibrary, Sessions};
 pub use self::rten::RtenEngine;
 
 /// A dense array, the last axis running fastest.
@@ -26,6 +28,13 @@ pub enum Tensor {
         /// The numbers.
         data: Vec<i64>,
     },
+    /// Truth values.
+    Bool {
+        /// Length of each axis.
+        shape: Vec<usize>,
+        /// The values.
+        data: Vec<bool>,
+    },
 }
 
 impl Tensor {
@@ -33,7 +42,7 @@ impl Tensor {
     #[must_use]
     pub fn shape(&self) -> &[usize] {
         match self {
-            Self::F32 { shape, .. } | Self::I64 { shape, .. } => shape,
+            Self::F32 { shape, .. } | Self::I64 { shape, .. } | Self::Bool { shape, .. } => shape,
         }
     }
 
@@ -43,6 +52,7 @@ impl Tensor {
         match self {
             Self::F32 { shape, .. } => format!("f32 {shape:?}"),
             Self::I64 { shape, .. } => format!("i64 {shape:?}"),
+            Self::Bool { shape, .. } => format!("bool {shape:?}"),
         }
     }
 
@@ -51,6 +61,7 @@ impl Tensor {
         let found = match self {
             Self::F32 { data, .. } => data.len(),
             Self::I64 { data, .. } => data.len(),
+            Self::Bool { data, .. } => data.len(),
         };
         let expected = self.shape().iter().try_fold(1_usize, |n, &axis| n.checked_mul(axis));
         if expected == Some(found) {
@@ -61,9 +72,15 @@ impl Tensor {
 }
 
 /// Runs one model. May be called from several threads at once.
-pub trait Engine: Send + Sync {
+pub trait Engine: Send + Sync + std::fmt::Debug {
     /// Name of the engine, for reports: `rten`, `onnxruntime`.
     fn name(&self) -> &str;
+
+    /// Names of the model's inputs.
+    fn inputs(&self) -> &[String];
+
+    /// Names of the model's outputs.
+    fn outputs(&self) -> &[String];
 
     /// Runs the model and gives back the outputs named, in that order.
     ///
@@ -71,6 +88,24 @@ pub trait Engine: Send + Sync {
     /// When a name, type or shape does not fit the model, or an operator fails.
     fn run(&self, inputs: &[(&str, &Tensor)], outputs: &[&str])
     -> Result<Vec<Tensor>, EngineError>;
+
+    /// The same, leaving the outputs where the engine has them: what is only given to it again, a cache, need not be copied.
+    ///
+    /// # Errors
+    /// As [`Engine::run`].
+    fn run_held(
+        &self,
+        inputs: &[(&str, Input<'_>)],
+        outputs: &[&str],
+    ) -> Result<Vec<Held>, EngineError> {
+        let owned = inputs
+            .iter()
+            .map(|(name, input)| Ok((*name, input.to_tensor(name)?)))
+            .collect::<Result<Vec<_>, EngineError>>()?;
+        let inputs: Vec<(&str, &Tensor)> =
+            owned.iter().map(|(name, tensor)| (*name, tensor.as_ref())).collect();
+        Ok(self.run(&inputs, outputs)?.into_iter().map(Held::from).collect())
+    }
 }
 
 /// The cause of an error inside an engine.
@@ -172,14 +207,16 @@ fn check_name(kind: &'static str, name: &str, known: &[String]) -> Result<(), En
 
 /// Whether every tensor is well formed and known to the model, and no input is missing.
 fn check_call(
-    inputs: &[(&str, &Tensor)],
+    inputs: &[(&str, Input<'_>)],
     outputs: &[&str],
     known_inputs: &[String],
     known_outputs: &[String],
 ) -> Result<(), EngineError> {
-    for (name, tensor) in inputs {
+    for (name, input) in inputs {
         check_name("input", name, known_inputs)?;
-        tensor.check(name)?;
+        if let Input::Tensor(tensor) = input {
+            tensor.check(name)?;
+        }
     }
     for known in known_inputs {
         if inputs.iter().all(|(name, _)| name != known) {

@@ -1,12 +1,18 @@
 #![doc = include_str!("../README.md")]
 
+pub mod decode;
 pub mod detector;
 pub mod engine;
+pub mod florence2;
 pub mod nms;
+pub mod picture;
 pub mod resize;
 pub mod ssdlite;
 pub mod tiles;
+pub mod tokens;
 
 pub use detector::{AttributeModel, Detector, PerceptionError};
-pub use engine::{Engine, EngineError, OrtEngine, OrtLibrary, RtenEngine, Tensor};
+pub use engine::{
+    Engine, EngineError, Held, Input, OrtEngine, OrtLibrary, RtenEngine, Sessions, Tensor,
+};
 pub use ssdlite::{SsdLite, SsdLiteConfig};

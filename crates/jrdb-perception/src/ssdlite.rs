@@ -235,6 +235,7 @@ mod tests {
     use jrdb_types::PixelBox;
 
     /// Says the same of every tile: one anchor is a person.
+    #[derive(Debug)]
     struct Fixed {
         anchor: usize,
         code: [f32; 4],
@@ -244,6 +245,14 @@ mod tests {
     impl Engine for Fixed {
         fn name(&self) -> &str {
             "fixed"
+        }
+
+        fn inputs(&self) -> &[String] {
+            &[]
+        }
+
+        fn outputs(&self) -> &[String] {
+            &[]
         }
 
         fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {

@@ -2,13 +2,14 @@
 
 use std::fmt;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use ort::environment::Environment;
 use ort::session::{Session, SessionInputValue, SessionOutputs};
-use ort::value::TensorRef;
+use ort::value::{DynValue, TensorRef};
 
-use super::{Cause, Engine, EngineError, Tensor, check_call};
+use super::held::Inner;
+use super::{Cause, Engine, EngineError, Held, Input, Tensor, check_call};
 
 const NAME: &str = "onnxruntime";
 
@@ -59,16 +60,39 @@ impl OrtLibrary {
     }
 }
 
+/// How calls that come at once share a model. A session runs one call at a time and has memory of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sessions {
+    /// A session for every call at once, each on this many threads (0: as many as there are cores). With 1 the caller decides how
+    /// much runs at once. For small models.
+    PerCall {
+        /// Threads of each session.
+        threads: usize,
+    },
+    /// One session, for which further calls wait. For models whose weights should be in memory once.
+    One {
+        /// Its threads (0: as many as there are cores).
+        threads: usize,
+    },
+}
+
+/// Where a model is read from whenever a session is opened.
+enum Source {
+    Bytes(Vec<u8>),
+    File(PathBuf),
+}
+
 /// A model run by ONNX Runtime on the processor.
 pub struct OrtEngine {
     library: OrtLibrary,
-    model: Vec<u8>,
-    intra_threads: usize,
+    source: Source,
+    sessions: Sessions,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// Sessions that no run is using. A session runs one call at a time; a further one is opened whenever
-    /// more calls come at once than there are sessions.
+    /// Sessions that no run is using.
     idle: Mutex<Vec<Session>>,
+    /// Wakes calls that wait for a session.
+    freed: Condvar,
 }
 
 impl fmt::Debug for OrtEngine {
@@ -89,34 +113,96 @@ impl OrtEngine {
         bytes: &[u8],
         intra_threads: usize,
     ) -> Result<Self, EngineError> {
-        let session = open(library, bytes, intra_threads)?;
+        let sessions = Sessions::PerCall { threads: intra_threads };
+        Self::open(library, Source::Bytes(bytes.to_vec()), sessions)
+    }
+
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file must stay.
+    ///
+    /// # Errors
+    /// [`EngineError::Model`] if the file is no ONNX model that the library knows.
+    pub fn from_file(
+        library: &OrtLibrary,
+        path: &Path,
+        sessions: Sessions,
+    ) -> Result<Self, EngineError> {
+        Self::open(library, Source::File(path.into()), sessions)
+    }
+
+    fn open(library: &OrtLibrary, source: Source, sessions: Sessions) -> Result<Self, EngineError> {
+        let session = open(library, &source, sessions)?;
         let names = |outlets: &[ort::value::Outlet]| -> Vec<String> {
             outlets.iter().map(|outlet| outlet.name().to_owned()).collect()
         };
         Ok(Self {
             library: library.clone(),
-            model: bytes.to_vec(),
-            intra_threads,
+            source,
+            sessions,
             inputs: names(session.inputs()),
             outputs: names(session.outputs()),
             idle: Mutex::new(vec![session]),
+            freed: Condvar::new(),
         })
     }
 
     fn idle(&self) -> MutexGuard<'_, Vec<Session>> {
         self.idle.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// A session that no other call uses: an idle one, else another one or the next that is freed.
+    fn take(&self) -> Result<Session, EngineError> {
+        let mut idle = self.idle();
+        loop {
+            match (idle.pop(), self.sessions) {
+                (Some(session), _) => return Ok(session),
+                (None, Sessions::PerCall { .. }) => {
+                    drop(idle);
+                    return open(&self.library, &self.source, self.sessions);
+                }
+                (None, Sessions::One { .. }) => {
+                    idle = self.freed.wait(idle).unwrap_or_else(PoisonError::into_inner);
+                }
+            }
+        }
+    }
+
+    /// Runs a session and gives its outputs to `read`.
+    fn with_outputs<T>(
+        &self,
+        inputs: &[(&str, Input<'_>)],
+        outputs: &[&str],
+        read: impl FnOnce(SessionOutputs<'_>) -> Result<T, EngineError>,
+    ) -> Result<T, EngineError> {
+        check_call(inputs, outputs, &self.inputs, &self.outputs)?;
+        let values = inputs
+            .iter()
+            .map(|(name, input)| Ok(((*name).to_owned(), value(name, *input)?)))
+            .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
+        let mut session = self.take()?;
+        let result = session.run(values).map_err(failed).and_then(read);
+        self.idle().push(session);
+        self.freed.notify_one();
+        result
+    }
+
+    fn unknown(&self, name: &str) -> EngineError {
+        EngineError::Name { kind: "output", name: name.into(), known: self.outputs.clone() }
+    }
 }
 
-fn open(library: &OrtLibrary, model: &[u8], threads: usize) -> Result<Session, EngineError> {
+fn open(library: &OrtLibrary, source: &Source, sessions: Sessions) -> Result<Session, EngineError> {
     let refused = |source: Cause| EngineError::Model { engine: NAME, source };
+    let (Sessions::PerCall { threads } | Sessions::One { threads }) = sessions;
     // The builder's errors carry the builder, which may not leave this thread: only their text goes on.
-    Session::builder(&library.environment)
+    let mut builder = Session::builder(&library.environment)
         .map_err(|e| refused(e.into()))?
         .with_intra_threads(threads)
-        .map_err(|e| refused(e.to_string().into()))?
-        .commit_from_memory(model)
-        .map_err(|e| refused(e.into()))
+        .map_err(|e| refused(e.to_string().into()))?;
+    match source {
+        Source::Bytes(bytes) => builder.commit_from_memory(bytes),
+        Source::File(path) => builder.commit_from_file(path),
+    }
+    .map_err(|e| refused(e.into()))
 }
 
 fn failed(source: impl Into<Cause>) -> EngineError {
@@ -128,30 +214,55 @@ impl Engine for OrtEngine {
         NAME
     }
 
+    fn inputs(&self) -> &[String] {
+        &self.inputs
+    }
+
+    fn outputs(&self) -> &[String] {
+        &self.outputs
+    }
+
     fn run(
         &self,
         inputs: &[(&str, &Tensor)],
         outputs: &[&str],
     ) -> Result<Vec<Tensor>, EngineError> {
-        check_call(inputs, outputs, &self.inputs, &self.outputs)?;
-        let values = inputs
-            .iter()
-            .map(|(name, tensor)| Ok(((*name).to_owned(), value(tensor).map_err(failed)?)))
-            .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
-        let free = self.idle().pop();
-        let mut session = match free {
-            Some(session) => session,
-            None => open(&self.library, &self.model, self.intra_threads)?,
-        };
-        let result = session.run(values).map_err(failed).and_then(|found| {
-            outputs.iter().map(|name| tensor(&found, name, &self.outputs)).collect()
-        });
-        self.idle().push(session);
-        result
+        let inputs: Vec<(&str, Input<'_>)> =
+            inputs.iter().map(|(name, tensor)| (*name, Input::Tensor(tensor))).collect();
+        self.with_outputs(&inputs, outputs, |found| {
+            let read =
+                |name: &&str| tensor(found.get(name).ok_or_else(|| self.unknown(name))?, name);
+            outputs.iter().map(read).collect()
+        })
+    }
+
+    fn run_held(
+        &self,
+        inputs: &[(&str, Input<'_>)],
+        outputs: &[&str],
+    ) -> Result<Vec<Held>, EngineError> {
+        self.with_outputs(inputs, outputs, |mut found| {
+            let mut take = |name: &&str| {
+                let value = found.remove(name).ok_or_else(|| self.unknown(name))?;
+                Ok(Held(Inner::Ort(value)))
+            };
+            outputs.iter().map(&mut take).collect()
+        })
     }
 }
 
-fn value(tensor: &Tensor) -> ort::Result<SessionInputValue<'_>> {
+fn value<'a>(name: &str, input: Input<'a>) -> Result<SessionInputValue<'a>, EngineError> {
+    match input {
+        Input::Tensor(tensor) => view(tensor).map_err(failed),
+        Input::Held(Held(Inner::Ort(value))) => Ok(value.into()),
+        Input::Held(_) => Err(EngineError::Type {
+            name: name.into(),
+            source: "it is held by another engine".into(),
+        }),
+    }
+}
+
+fn view(tensor: &Tensor) -> ort::Result<SessionInputValue<'_>> {
     Ok(match tensor {
         Tensor::F32 { shape, data } => {
             TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
@@ -159,19 +270,34 @@ fn value(tensor: &Tensor) -> ort::Result<SessionInputValue<'_>> {
         Tensor::I64 { shape, data } => {
             TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
         }
+        Tensor::Bool { shape, data } => {
+            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
+        }
     })
 }
 
-fn tensor(found: &SessionOutputs<'_>, name: &str, known: &[String]) -> Result<Tensor, EngineError> {
-    let Some(value) = found.get(name) else {
-        return Err(EngineError::Name { kind: "output", name: name.into(), known: known.to_vec() });
-    };
-    let lengths = |shape: &[i64]| shape.iter().map(|&axis| axis.unsigned_abs() as usize).collect();
-    if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
-        return Ok(Tensor::I64 { shape: lengths(shape), data: data.to_vec() });
-    }
+fn lengths(shape: &[i64]) -> Vec<usize> {
+    shape.iter().map(|&axis| axis.unsigned_abs() as usize).collect()
+}
+
+/// Shape and numbers of a value of 32-bit floats.
+pub(super) fn floats<'a>(
+    value: &'a DynValue,
+    name: &str,
+) -> Result<(Vec<usize>, &'a [f32]), EngineError> {
     let (shape, data) = value
         .try_extract_tensor::<f32>()
         .map_err(|e| EngineError::Type { name: name.into(), source: e.into() })?;
-    Ok(Tensor::F32 { shape: lengths(shape), data: data.to_vec() })
+    Ok((lengths(shape), data))
+}
+
+pub(super) fn tensor(value: &DynValue, name: &str) -> Result<Tensor, EngineError> {
+    if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
+        return Ok(Tensor::I64 { shape: lengths(shape), data: data.to_vec() });
+    }
+    if let Ok((shape, data)) = value.try_extract_tensor::<bool>() {
+        return Ok(Tensor::Bool { shape: lengths(shape), data: data.to_vec() });
+    }
+    let (shape, data) = floats(value, name)?;
+    Ok(Tensor::F32 { shape, data: data.to_vec() })
 }

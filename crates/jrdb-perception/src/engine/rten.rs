@@ -1,13 +1,15 @@
 //! rten: pure Rust, on the processor, needs nothing but this crate.
 
+use std::borrow::Cow;
 use std::fmt;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use rten::{
-    Model, NodeId, RunOptions, ThreadPool, TryFromValueError, Value, ValueOrView, ValueView,
-};
+use rten::{Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView, ValueView};
+use rten_tensor::prelude::*;
 
-use super::{Cause, Engine, EngineError, Tensor, check_call};
+use super::held::Inner;
+use super::{Cause, Engine, EngineError, Held, Input, Tensor, check_call};
 
 const NAME: &str = "rten";
 
@@ -34,13 +36,27 @@ impl RtenEngine {
     /// # Errors
     /// [`EngineError::Model`] if the bytes are no ONNX model or use an operator unknown to rten.
     pub fn from_onnx(bytes: &[u8]) -> Result<Self, EngineError> {
-        let model = Model::load(bytes.to_vec())
-            .map_err(|e| EngineError::Model { engine: NAME, source: e.into() })?;
+        Model::load(bytes.to_vec())
+            .map(Self::new)
+            .map_err(|e| EngineError::Model { engine: NAME, source: e.into() })
+    }
+
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it.
+    ///
+    /// # Errors
+    /// [`EngineError::Model`] if the file is no ONNX model or uses an operator unknown to rten.
+    pub fn from_file(path: &Path) -> Result<Self, EngineError> {
+        Model::load_file(path)
+            .map(Self::new)
+            .map_err(|e| EngineError::Model { engine: NAME, source: e.into() })
+    }
+
+    fn new(model: Model) -> Self {
         let names = |ids: &[NodeId]| -> Vec<String> {
             ids.iter().filter_map(|id| Some(model.node_info(*id)?.name()?.to_owned())).collect()
         };
         let (inputs, outputs) = (names(model.input_ids()), names(model.output_ids()));
-        Ok(Self { model, inputs, outputs, idle: Mutex::default() })
+        Self { model, inputs, outputs, idle: Mutex::default() }
     }
 
     fn node(&self, name: &str) -> Result<NodeId, EngineError> {
@@ -78,19 +94,59 @@ impl Engine for RtenEngine {
         NAME
     }
 
+    fn inputs(&self) -> &[String] {
+        &self.inputs
+    }
+
+    fn outputs(&self) -> &[String] {
+        &self.outputs
+    }
+
     fn run(
         &self,
         inputs: &[(&str, &Tensor)],
         outputs: &[&str],
     ) -> Result<Vec<Tensor>, EngineError> {
+        let inputs: Vec<(&str, Input<'_>)> =
+            inputs.iter().map(|(name, tensor)| (*name, Input::Tensor(tensor))).collect();
+        let found = self.run_values(&inputs, outputs)?;
+        outputs.iter().zip(found).map(|(name, value)| tensor(name, value)).collect()
+    }
+
+    fn run_held(
+        &self,
+        inputs: &[(&str, Input<'_>)],
+        outputs: &[&str],
+    ) -> Result<Vec<Held>, EngineError> {
+        let found = self.run_values(inputs, outputs)?;
+        Ok(found.into_iter().map(|value| Held(Inner::Rten(value))).collect())
+    }
+}
+
+impl RtenEngine {
+    fn run_values(
+        &self,
+        inputs: &[(&str, Input<'_>)],
+        outputs: &[&str],
+    ) -> Result<Vec<Value>, EngineError> {
         check_call(inputs, outputs, &self.inputs, &self.outputs)?;
         let values = inputs
             .iter()
-            .map(|(name, tensor)| Ok((self.node(name)?, value(name, tensor)?)))
+            .map(|(name, input)| Ok((self.node(name)?, given(name, *input)?)))
             .collect::<Result<Vec<(NodeId, ValueOrView<'_>)>, EngineError>>()?;
         let nodes = outputs.iter().map(|name| self.node(name)).collect::<Result<Vec<_>, _>>()?;
-        let found = self.run_nodes(values, &nodes)?;
-        outputs.iter().zip(found).map(|(name, value)| tensor(name, value)).collect()
+        self.run_nodes(values, &nodes)
+    }
+}
+
+fn given<'a>(name: &str, input: Input<'a>) -> Result<ValueOrView<'a>, EngineError> {
+    match input {
+        Input::Tensor(tensor) => value(name, tensor),
+        Input::Held(Held(Inner::Rten(value))) => Ok(value.into()),
+        Input::Held(_) => Err(EngineError::Type {
+            name: name.into(),
+            source: "it is held by another engine".into(),
+        }),
     }
 }
 
@@ -106,32 +162,31 @@ fn value<'a>(name: &str, tensor: &'a Tensor) -> Result<ValueOrView<'a>, EngineEr
             let data = data.iter().map(narrow).collect::<Result<Vec<i32>, _>>()?;
             Value::from_shape(shape, data).map(Into::into).map_err(failed)
         }
-    }
-}
-
-/// Shape and numbers of a value of any rank up to 6: rten gives them for a known rank only, and tells the
-/// rank when asked for a scalar.
-macro_rules! shape_and_data {
-    ($value:expr, $number:ty) => {
-        shape_and_data!($value, $number, 1 2 3 4 5 6)
-    };
-    ($value:expr, $number:ty, $($rank:literal)+) => {
-        match $value.clone().into_shape_vec::<$number, 0>() {
-            Ok((_, data)) => Ok((Vec::new(), data)),
-            $(Err(TryFromValueError::WrongRank { actual: $rank, .. }) => {
-                $value.into_shape_vec::<$number, $rank>().map(|(shape, data)| (shape.to_vec(), data))
-            })+
-            Err(error) => Err(error),
+        Tensor::Bool { shape, data } => {
+            let data: Vec<i32> = data.iter().map(|&truth| i32::from(truth)).collect();
+            Value::from_shape(shape, data).map(Into::into).map_err(failed)
         }
-    };
+    }
 }
 
-fn tensor(name: &str, value: Value) -> Result<Tensor, EngineError> {
-    let wrong = |e: TryFromValueError| EngineError::Type { name: name.into(), source: e.into() };
-    if matches!(value, Value::Int32Tensor(_)) {
-        let (shape, data) = shape_and_data!(value, i32).map_err(wrong)?;
-        return Ok(Tensor::I64 { shape, data: data.into_iter().map(i64::from).collect() });
+/// Shape and numbers of a value of 32-bit floats; none if it holds something else.
+pub(super) fn floats(value: &Value) -> Option<(Vec<usize>, Cow<'_, [f32]>)> {
+    let Value::FloatTensor(tensor) = value else { return None };
+    Some((tensor.shape().to_vec(), tensor.to_slice()))
+}
+
+pub(super) fn tensor(name: &str, value: Value) -> Result<Tensor, EngineError> {
+    match value {
+        Value::FloatTensor(tensor) => {
+            Ok(Tensor::F32 { shape: tensor.shape().to_vec(), data: tensor.into_data() })
+        }
+        Value::Int32Tensor(tensor) => {
+            let shape = tensor.shape().to_vec();
+            Ok(Tensor::I64 { shape, data: tensor.into_data().into_iter().map(i64::from).collect() })
+        }
+        other => Err(EngineError::Type {
+            name: name.into(),
+            source: format!("found {:?}", other.dtype()).into(),
+        }),
     }
-    let (shape, data) = shape_and_data!(value, f32).map_err(wrong)?;
-    Ok(Tensor::F32 { shape, data })
 }

@@ -69,7 +69,7 @@ fn detection(subject: &Subject<'_>, drawn: &Drawn) -> Detection {
     }
 }
 
-fn attributes(person: &Person) -> Attributes {
+pub(super) fn attributes(person: &Person) -> Attributes {
     Attributes {
         age: Belief::certain(person.age),
         gender: Belief::certain(person.gender),

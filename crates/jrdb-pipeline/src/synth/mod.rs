@@ -25,7 +25,7 @@ mod tests;
 use std::path::Path;
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
-use jrdb_types::{FrameId, Image, PointCloud, Question, Questions};
+use jrdb_types::{Attributes, Belief, FrameId, Image, PixelBox, PointCloud, Question, Questions};
 use serde::{Deserialize, Serialize};
 
 use cast::Cast;
@@ -101,6 +101,30 @@ pub struct Frame {
     pub questions: Vec<Question>,
 }
 
+/// A frame's picture without sweeps and questions, and what a model of perception should see in it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct View {
+    /// The panorama.
+    pub image: Image,
+    /// For each pixel 0, or the [`Seen::instance`] whose it is.
+    pub instances: Vec<u8>,
+    /// Everybody of whom a row is in the picture, in the order of their ids.
+    pub people: Vec<Seen>,
+}
+
+/// A person in a [`View`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Seen {
+    /// The number of their pixels in [`View::instances`].
+    pub instance: u8,
+    /// How many pixels they have, those included that others hide.
+    pub pixels: usize,
+    /// The whole drawing, hidden parts too, pixels.
+    pub bbox: PixelBox,
+    /// What is true of them, which way they face included.
+    pub attributes: Attributes,
+}
+
 /// Makes a world. The same configuration gives the same world.
 ///
 /// Ages, genders and races are dealt so that all come before one comes again; the first groups of
@@ -166,6 +190,22 @@ impl World {
         let questions = questions::questions(&labels.detections, self.config.seed);
         let (image, instances) = (picture.image, picture.instances);
         Frame { id, image, instances, clouds, labels, questions }
+    }
+
+    /// The picture of a frame, by its place in the sequence, from 0: the one of [`World::frame`], in less time.
+    #[must_use]
+    pub fn view(&self, index: u32) -> View {
+        let subjects = self.subjects(index);
+        let picture = paint::paint(&self.room, &subjects, &robot::panorama());
+        let seen = |(instance, subject): (u8, &Subject<'_>)| {
+            let Subject::Person(person, pose) = subject else { return None };
+            let drawn = picture.drawn.iter().find(|drawn| drawn.id == subject.id())?;
+            let facing = Belief::certain(paint::facing_of(pose));
+            let attributes = Attributes { facing, ..labels::attributes(person) };
+            Some(Seen { instance, pixels: drawn.pixels, bbox: drawn.bbox, attributes })
+        };
+        let people = (1..).zip(&subjects).filter_map(seen).collect();
+        View { image: picture.image, instances: picture.instances, people }
     }
 
     fn subjects(&self, index: u32) -> Vec<Subject<'_>> {

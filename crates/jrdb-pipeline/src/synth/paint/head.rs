@@ -53,6 +53,7 @@ impl Figure<'_> {
                 self.features(&[0.55 * self.side]);
             }
         }
+        self.baseball_cap(cap);
         if self.person.age == Age::MiddleAged && self.facing != Facing::Away {
             let temples: &[f64] =
                 if self.side == 0.0 { &[-1.0, 1.0] } else { &[-0.35 * self.side] };
@@ -61,6 +62,22 @@ impl Figure<'_> {
                 self.pen.oval(at, [0.014, 0.026], GREY_TEMPLES);
             }
         }
+    }
+
+    /// What tells adolescents from young adults, in pictures that do not say how tall anybody is.
+    fn baseball_cap(&mut self, [across, up]: [f64; 2]) {
+        if self.person.age != Age::Adolescent {
+            return;
+        }
+        let ([x, y], color) = (self.head, shade(self.look.top, 0.72));
+        let rim = y + 0.3 * up;
+        self.pen.pie([x, rim], [1.04 * across, 0.74 * up], [0.0, 180.0], color);
+        let brim = match self.facing {
+            Facing::Away => return,
+            Facing::Towards => [[x - 0.7 * across, rim], [x + 0.7 * across, rim]],
+            Facing::Left | Facing::Right => [[x, rim], [x + 1.55 * self.side * across, rim]],
+        };
+        self.pen.limb(&brim, 0.022, shade(color, 0.7));
     }
 
     fn profile(&mut self, cap: [f64; 2]) {

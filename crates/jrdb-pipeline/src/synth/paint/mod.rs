@@ -26,6 +26,8 @@ pub(super) enum Subject<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Drawn {
     pub(super) id: EntityId,
+    /// How many pixels it has, those included that others hide.
+    pub(super) pixels: usize,
     /// The whole drawing, hidden parts too, whole pixels inside the picture's rows.
     pub(super) bbox: PixelBox,
     /// Share of its pixels that nothing hides, in `[0, 1]`.
@@ -73,6 +75,17 @@ impl Subject<'_> {
     }
 }
 
+/// Which side of somebody the robot sees.
+pub(super) fn facing_of(pose: &Pose) -> jrdb_types::vocab::Facing {
+    use jrdb_types::vocab;
+    match Facing::of(pose.place_m, pose.heading_rad) {
+        Facing::Towards => vocab::Facing::Towards,
+        Facing::Away => vocab::Facing::Away,
+        Facing::Left => vocab::Facing::Left,
+        Facing::Right => vocab::Facing::Right,
+    }
+}
+
 /// Seat and back of the chair below a sitting person, in the base frame; nothing below others.
 pub(super) fn chair_of(person: &Person, pose: &Pose) -> [Vec<Part>; 2] {
     if person.action != jrdb_types::Action::Sitting {
@@ -101,7 +114,8 @@ pub(super) fn paint(room: &Room, subjects: &[Subject<'_>], camera: &Panorama) ->
             let (extent, pixels) = extent?;
             let visible =
                 seen.get(index + 1).map_or(0.0, |seen| *seen as f64 / pixels.max(1) as f64);
-            Some(Drawn { id: subject.id(), bbox: pixel_box(extent, camera)?, visible })
+            let bbox = pixel_box(extent, camera)?;
+            Some(Drawn { id: subject.id(), pixels, bbox, visible })
         });
     Picture { drawn: drawn.collect(), image, instances }
 }

@@ -1,0 +1,173 @@
+//! What Florence-2 can be asked, and the sentence it was trained to be asked with.
+
+use super::answer::Grammar;
+
+/// A task; those that are about something carry it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Task {
+    /// Every object with the name of its kind.
+    ObjectDetection,
+    /// Every object with a phrase that describes it.
+    DenseRegionCaption,
+    /// Boxes without names.
+    RegionProposal,
+    /// What is called so: boxes, or polygons where the model prefers them.
+    OpenVocabularyDetection(String),
+    /// Boxes of the phrases in a sentence.
+    PhraseGrounding(String),
+    /// The outline of what the words mean.
+    ReferringSegmentation(String),
+    /// The name of what is in a region.
+    RegionToCategory(Region),
+    /// A description of what is in a region.
+    RegionToDescription(Region),
+    /// The outline of what is in a region.
+    RegionToSegmentation(Region),
+    /// The writing in a region.
+    RegionToOcr(Region),
+    /// One sentence.
+    Caption,
+    /// Several sentences.
+    DetailedCaption,
+    /// A paragraph.
+    MoreDetailedCaption,
+    /// The writing in the picture.
+    Ocr,
+    /// The writing, each with the four corners of its place.
+    OcrWithRegion,
+}
+
+/// A box in location bins: x0, y0, x1, y1 in 0..=999.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Region(pub [u16; 4]);
+
+/// Bins per side of the picture.
+pub(super) const BINS: f64 = 1000.0;
+
+impl Region {
+    /// The bins of a box given by its corners, pixels of a picture of that size.
+    ///
+    /// ```
+    /// use jrdb_perception::florence2::Region;
+    /// assert_eq!(Region::from_corners([3.76, 0.48, 7.52, 480.0], [3760.0, 480.0]).0, [1, 1, 2, 999]);
+    /// ```
+    #[must_use]
+    pub fn from_corners(corners: [f64; 4], size_px: [f64; 2]) -> Self {
+        let bin = |axis: usize| {
+            let bins = corners[axis] / (size_px[axis % 2] / BINS);
+            bins.floor().clamp(0.0, BINS - 1.0) as u16
+        };
+        Self([bin(0), bin(1), bin(2), bin(3)])
+    }
+}
+
+impl Task {
+    /// The task called so in Florence-2's own notation, `<OD>` or `<OPEN_VOCABULARY_DETECTION>a red bag`.
+    #[must_use]
+    pub fn from_tag(text: &str) -> Option<Self> {
+        let (tag, input) = text.strip_prefix('<')?.split_once('>')?;
+        let region = || Region::from_tags(input);
+        let task = match tag {
+            "OPEN_VOCABULARY_DETECTION" => {
+                return Some(Self::OpenVocabularyDetection(input.into()));
+            }
+            "CAPTION_TO_PHRASE_GROUNDING" => return Some(Self::PhraseGrounding(input.into())),
+            "REFERRING_EXPRESSION_SEGMENTATION" => {
+                return Some(Self::ReferringSegmentation(input.into()));
+            }
+            "REGION_TO_CATEGORY" => return region().map(Self::RegionToCategory),
+            "REGION_TO_DESCRIPTION" => return region().map(Self::RegionToDescription),
+            "REGION_TO_SEGMENTATION" => return region().map(Self::RegionToSegmentation),
+            "REGION_TO_OCR" => return region().map(Self::RegionToOcr),
+            "OD" => Self::ObjectDetection,
+            "DENSE_REGION_CAPTION" => Self::DenseRegionCaption,
+            "REGION_PROPOSAL" => Self::RegionProposal,
+            "CAPTION" => Self::Caption,
+            "DETAILED_CAPTION" => Self::DetailedCaption,
+            "MORE_DETAILED_CAPTION" => Self::MoreDetailedCaption,
+            "OCR" => Self::Ocr,
+            "OCR_WITH_REGION" => Self::OcrWithRegion,
+            _ => return None,
+        };
+        input.is_empty().then_some(task)
+    }
+
+    /// The sentence that asks for it.
+    #[must_use]
+    pub fn prompt(&self) -> String {
+        match self {
+            Self::ObjectDetection => "Locate the objects with category name in the image.".into(),
+            Self::DenseRegionCaption => {
+                "Locate the objects in the image, with their descriptions.".into()
+            }
+            Self::RegionProposal => "Locate the region proposals in the image.".into(),
+            Self::OpenVocabularyDetection(what) => format!("Locate {what} in the image."),
+            Self::PhraseGrounding(caption) => {
+                format!("Locate the phrases in the caption: {caption}")
+            }
+            Self::ReferringSegmentation(what) => format!("Locate {what} in the image with mask"),
+            Self::RegionToCategory(region) => format!("What is the region {}?", region.tags()),
+            Self::RegionToDescription(region) => {
+                format!("What does the region {} describe?", region.tags())
+            }
+            Self::RegionToSegmentation(region) => {
+                format!("What is the polygon mask of region {}", region.tags())
+            }
+            Self::RegionToOcr(region) => format!("What text is in the region {}?", region.tags()),
+            Self::Caption => "What does the image describe?".into(),
+            Self::DetailedCaption => "Describe in detail what is shown in the image.".into(),
+            Self::MoreDetailedCaption => {
+                "Describe with a paragraph what is shown in the image.".into()
+            }
+            Self::Ocr => "What is the text in the image?".into(),
+            Self::OcrWithRegion => "What is the text in the image, with regions?".into(),
+        }
+    }
+
+    /// How answers are written.
+    #[must_use]
+    pub fn grammar(&self) -> Grammar {
+        match self {
+            Self::ObjectDetection | Self::DenseRegionCaption => Grammar::LabelledBoxes,
+            Self::RegionProposal => Grammar::Boxes,
+            Self::PhraseGrounding(_) => Grammar::GroundedPhrases,
+            Self::OpenVocabularyDetection(_) => Grammar::BoxesOrPolygons,
+            Self::ReferringSegmentation(_) | Self::RegionToSegmentation(_) => Grammar::Polygons,
+            Self::OcrWithRegion => Grammar::Quads,
+            _ => Grammar::Text,
+        }
+    }
+}
+
+impl Region {
+    fn tags(self) -> String {
+        self.0.map(|bin| format!("<loc_{bin}>")).concat()
+    }
+
+    fn from_tags(text: &str) -> Option<Self> {
+        let mut bins = text.strip_prefix("<loc_")?.strip_suffix('>')?.split("><loc_");
+        let mut next = || bins.next()?.parse::<u16>().ok().filter(|bin| f64::from(*bin) < BINS);
+        let region = Self([next()?, next()?, next()?, next()?]);
+        bins.next().is_none().then_some(region)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_become_sentences() {
+        let prompt = |tag| Task::from_tag(tag).map(|task| task.prompt());
+        assert_eq!(
+            prompt("<OPEN_VOCABULARY_DETECTION>a red bag").as_deref(),
+            Some("Locate a red bag in the image.")
+        );
+        assert_eq!(
+            prompt("<REGION_TO_CATEGORY><loc_1><loc_2><loc_3><loc_4>").as_deref(),
+            Some("What is the region <loc_1><loc_2><loc_3><loc_4>?")
+        );
+        let wrong = ["OD", "<OD>person", "<FLY>", "<REGION_TO_OCR><loc_1><loc_2><loc_3>", ""];
+        assert_eq!(wrong.map(prompt), [None, None, None, None, None]);
+    }
+}
