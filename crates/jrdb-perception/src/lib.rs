@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod crop;
 pub mod decode;
 pub mod detector;
 pub mod engine;
@@ -10,6 +11,7 @@ pub mod resize;
 pub mod ssdlite;
 pub mod tiles;
 pub mod tokens;
+pub mod vlm;
 
 pub use detector::{AttributeModel, Detector, PerceptionError};
 pub use engine::{

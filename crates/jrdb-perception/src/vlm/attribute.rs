@@ -1,0 +1,150 @@
+//! A person's attributes by asking a vision-language model about a crop.
+
+use jrdb_types::{Attributes, Detection, Image};
+use serde::{Deserialize, Serialize};
+
+use super::internvl::InternVlConfig;
+use super::question::{self, Question, Topic, questions};
+use super::score::{free_answer, probabilities, shared_beginning};
+use super::{Read, Vlm};
+use crate::crop::crop;
+use crate::detector::{AttributeModel, PerceptionError, check_image};
+
+/// How answers are got.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Profile {
+    /// The model writes freely; what it says is looked up in the vocabulary and believed.
+    Paper,
+    /// Every word of the vocabulary is weighed as an answer, which gives probabilities and never a word outside.
+    #[default]
+    Robust,
+}
+
+/// What is asked, and how.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct AttributeConfig {
+    /// What is asked.
+    pub topics: Vec<Topic>,
+    /// How answers are got.
+    pub profile: Profile,
+    /// A crop is larger than its box by this part of it on each side; in `[0, 1]`. Default 0.02: boxes are rarely better.
+    pub margin: f64,
+    /// Divides log-likelihoods before they become probabilities; above 0. Default 1: the model's own.
+    pub temperature: f64,
+    /// Longest free answer, tokens. Default 24: the words of every vocabulary and a sentence around them.
+    pub answer_tokens_max: usize,
+    /// Whether the picture is a panorama whose last column borders on the first.
+    pub wraps: bool,
+}
+
+impl Default for AttributeConfig {
+    /// All topics, weighed.
+    fn default() -> Self {
+        Self {
+            topics: Topic::ALL.to_vec(),
+            profile: Profile::default(),
+            margin: 0.02,
+            temperature: 1.0,
+            answer_tokens_max: 24,
+            wraps: true,
+        }
+    }
+}
+
+/// Describes people with an InternVL.
+#[derive(Debug)]
+pub struct VlmAttributes {
+    vlm: Vlm,
+    model: InternVlConfig,
+    config: AttributeConfig,
+    questions: Vec<Question>,
+    end: u32,
+}
+
+impl VlmAttributes {
+    /// A describer.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Token`] if the vocabulary has no end of a turn, [`PerceptionError::Setting`] if a setting is out of range.
+    pub fn new(
+        vlm: Vlm,
+        model: InternVlConfig,
+        config: AttributeConfig,
+    ) -> Result<Self, PerceptionError> {
+        let wrong =
+            |setting, expected, found| PerceptionError::Setting { setting, expected, found };
+        if !(0.0..=1.0).contains(&config.margin) {
+            return Err(wrong("margin", "in [0, 1]", config.margin));
+        }
+        if config.temperature.is_nan() || config.temperature <= 0.0 {
+            return Err(wrong("temperature", "above 0", config.temperature));
+        }
+        let (questions, end) = (questions(&config.topics), vlm.tokens().id("<|im_end|>")?);
+        Ok(Self { vlm, model, config, questions, end })
+    }
+
+    /// Name of the engine that runs the model.
+    #[must_use]
+    pub fn engine_name(&self) -> &str {
+        self.vlm.engine_name()
+    }
+
+    /// What is believed of the person who fills a picture.
+    ///
+    /// The picture is seen and read once for all questions.
+    ///
+    /// # Errors
+    /// When the picture has no pixels or a graph fails.
+    pub fn look(&self, picture: &Image) -> Result<Attributes, PerceptionError> {
+        check_image(picture)?;
+        let mut attributes = Attributes::default();
+        if self.questions.is_empty() {
+            return Ok(attributes);
+        }
+        let pixels = self.model.prepare(picture);
+        let features = self.vlm.see(&[("pixel_values", &pixels)])?;
+        let prompt = |question: &Question| {
+            self.vlm.tokens().encode(&self.model.prompt(&question.text, pixels.shape()[0]))
+        };
+        let prompts = self.questions.iter().map(prompt).collect::<Result<Vec<_>, _>>()?;
+        let shared = shared_beginning(&prompts);
+        let beginning = self.vlm.read(&prompts[0][..shared], &features, None)?;
+        for (question, prompt) in self.questions.iter().zip(&prompts) {
+            let read = self.vlm.read_on(&beginning, &prompt[shared..])?;
+            question::put(&mut attributes, question.topic, &self.answer(read, question)?);
+        }
+        Ok(attributes)
+    }
+
+    /// Probabilities of the vocabulary's words; all 0 where the answer is none of them.
+    fn answer(&self, read: Read, question: &Question) -> Result<Vec<f64>, PerceptionError> {
+        match self.config.profile {
+            Profile::Robust => {
+                let scores = self.vlm.score(&read, &question.labels, self.end)?;
+                Ok(probabilities(&scores, self.config.temperature))
+            }
+            Profile::Paper => {
+                let longest = self.config.answer_tokens_max;
+                let said = free_answer(&self.vlm, read, question, longest)?;
+                let certain = |index| if said == Some(index) { 1.0 } else { 0.0 };
+                Ok((0..question.labels.len()).map(certain).collect())
+            }
+        }
+    }
+}
+
+impl AttributeModel for VlmAttributes {
+    fn describe(
+        &self,
+        image: &Image,
+        detection: &Detection,
+    ) -> Result<Attributes, PerceptionError> {
+        check_image(image)?;
+        match crop(image, &detection.bbox, self.config.margin, self.config.wraps) {
+            Some(picture) => self.look(&picture),
+            None => Ok(Attributes::default()),
+        }
+    }
+}
