@@ -78,6 +78,12 @@ pub enum PerceptionError {
         /// The token.
         token: String,
     },
+    /// A task that no model knows.
+    #[error("expected a task of Florence-2 such as <OD>, found {found:?}")]
+    Task {
+        /// What was given.
+        found: String,
+    },
     /// A graph is not the one that the code knows.
     #[error("expected a graph with {expected}, found {known:?}")]
     Graph {

@@ -6,6 +6,8 @@
 mod answer;
 mod config;
 mod decoder;
+mod detector;
+mod said;
 mod task;
 
 use std::fmt;
@@ -15,6 +17,8 @@ use jrdb_types::Image;
 pub use answer::{Answer, Grammar, Labelled};
 pub use config::Florence2Config;
 pub use decoder::DecoderParts;
+pub use detector::{FlorenceDetector, FlorenceDetectorConfig};
+pub use said::Said;
 pub use task::{Region, Task};
 
 use crate::decode::{DecodeConfig, Sequence, decode};

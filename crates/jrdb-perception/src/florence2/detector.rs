@@ -1,0 +1,227 @@
+//! People and things in a panorama by asking Florence-2 about wrapped tiles.
+
+use jrdb_types::detection::PERSON;
+use jrdb_types::{
+    Attributes, Detection, Detections, EntityId, FrameId, Image, ImageGeometry, PixelBox,
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::said::{Said, said};
+use super::{Florence2, Task};
+use crate::detector::{Detector, PerceptionError, check_image};
+use crate::merge::{Candidate, MergeConfig, merge};
+use crate::tiles::{Tile, tiles};
+
+/// How things are looked for.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct FlorenceDetectorConfig {
+    /// The task, as Florence-2 writes it: `<OD>` for everything, `<OPEN_VOCABULARY_DETECTION>person` for people.
+    pub task: String,
+    /// Whether the image is a panorama whose last column borders on the first.
+    pub wraps: bool,
+    /// Width of a tile as a part of the image's height; in `(0, 100]`, 0 for the whole image as one.
+    ///
+    /// Default 4/3: one location bin is then 0.64 pixels of JRDB's panorama, where the whole image in one piece has 3.8.
+    pub tile_aspect: f64,
+    /// Part of its width that a tile shares with the next at least; in `[0, 0.95]`. Default 0.41: ten tiles of 640 pixels.
+    pub tile_overlap: f64,
+    /// How what several tiles show becomes one.
+    pub merge: MergeConfig,
+}
+
+impl Default for FlorenceDetectorConfig {
+    /// Everything, on tiles.
+    fn default() -> Self {
+        Self {
+            task: "<OD>".into(),
+            wraps: true,
+            tile_aspect: 4.0 / 3.0,
+            tile_overlap: 0.41,
+            merge: MergeConfig::default(),
+        }
+    }
+}
+
+impl FlorenceDetectorConfig {
+    /// As the paper has it: the whole panorama squashed into the model's square, nothing merged.
+    #[must_use]
+    pub fn paper() -> Self {
+        Self { tile_aspect: 0.0, tile_overlap: 0.0, ..Self::default() }
+    }
+}
+
+/// Finds people and things in images of any size. Tiles run in parallel on the current rayon pool; the result does not depend on its
+/// number of threads.
+#[derive(Debug)]
+pub struct FlorenceDetector {
+    model: Florence2,
+    config: FlorenceDetectorConfig,
+    task: Task,
+    /// The id of `<loc_0>`.
+    first_location: u32,
+}
+
+/// Words for people: what the model calls so is a person.
+const PEOPLE: [&str; 11] = [
+    "person",
+    "people",
+    "man",
+    "woman",
+    "boy",
+    "girl",
+    "child",
+    "human",
+    "pedestrian",
+    "men",
+    "women",
+];
+
+impl FlorenceDetector {
+    /// A detector.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Task`] if the task is none, [`PerceptionError::Setting`] if a setting is out of range,
+    /// [`PerceptionError::Token`] if the vocabulary has no locations.
+    pub fn new(model: Florence2, config: FlorenceDetectorConfig) -> Result<Self, PerceptionError> {
+        let task = Task::from_tag(&config.task)
+            .ok_or_else(|| PerceptionError::Task { found: config.task.clone() })?;
+        let in_range = |setting, expected, found, holds: bool| {
+            if holds { Ok(()) } else { Err(PerceptionError::Setting { setting, expected, found }) }
+        };
+        let (aspect, overlap) = (config.tile_aspect, config.tile_overlap);
+        in_range("tile_aspect", "in [0, 100]", aspect, (0.0..=100.0).contains(&aspect))?;
+        in_range("tile_overlap", "in [0, 0.95]", overlap, (0.0..=0.95).contains(&overlap))?;
+        config.merge.check()?;
+        let (first_location, last) =
+            (model.tokens().id("<loc_0>")?, model.tokens().id("<loc_999>")?);
+        if last != first_location + 999 {
+            return Err(PerceptionError::Token {
+                token: "<loc_999> behind the other locations".into(),
+            });
+        }
+        Ok(Self { model, config, task, first_location })
+    }
+
+    /// The boxes that the model sees in a picture, in pixels of it, as it said them.
+    ///
+    /// # Errors
+    /// When the picture has no pixels or a graph fails.
+    pub fn look(&self, picture: &Image) -> Result<Vec<Said>, PerceptionError> {
+        let reply = self.model.ask(picture, &self.task)?;
+        let size_px = [picture.width as f64, picture.height as f64];
+        let found = said(&reply.sequence, self.first_location, size_px);
+        let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
+        found.into_iter().map(|one| one.labelled(label)).collect()
+    }
+
+    fn tiles(&self, image: ImageGeometry) -> Vec<Tile> {
+        if self.config.tile_aspect == 0.0 {
+            return vec![Tile { x_px: 0, width_px: image.width_px }];
+        }
+        let width_px = (self.config.tile_aspect * f64::from(image.height_px)).round() as u32;
+        tiles(image, width_px, self.config.tile_overlap)
+    }
+
+    fn look_at_tile(&self, image: &Image, tile: Tile) -> Result<Vec<Said>, PerceptionError> {
+        self.look(&tile.crop(image))
+    }
+}
+
+impl Detector for FlorenceDetector {
+    fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
+        check_image(image)?;
+        let geometry = ImageGeometry {
+            width_px: image.width as u32,
+            height_px: image.height as u32,
+            wraps: self.config.wraps,
+        };
+        let tiles = self.tiles(geometry);
+        let looks: Vec<Result<Vec<Said>, _>> =
+            tiles.par_iter().map(|tile| self.look_at_tile(image, *tile)).collect();
+        let mut candidates = Vec::new();
+        for (tile, look) in tiles.iter().zip(looks) {
+            candidates.extend(look?.into_iter().filter_map(|one| candidate(one, *tile)));
+        }
+        let kept = merge(&candidates, &tiles, geometry, &self.config.merge);
+        let frame = frame.clone();
+        Ok(Detections { frame, image: geometry, detections: numbered(kept), issues: Vec::new() })
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!({
+            "detector": "florence2",
+            "engine": self.model.engine_name(),
+            "settings": self.config,
+            "decode": self.model.config().decode,
+        })
+    }
+}
+
+/// A proper box of a tile; the model may say inverted ones.
+fn candidate(said: Said, tile: Tile) -> Option<Candidate> {
+    let [x0, y0, x1, y1] = said.corners;
+    let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
+    let category = category(&said.label);
+    let keep = in_tile.is_proper() && !category.is_empty();
+    keep.then(|| Candidate { in_tile, tile, score: said.score, category })
+}
+
+/// `person` for every word for people, else the label in lower case without the rest of a tag.
+fn category(label: &str) -> String {
+    let words = label.rsplit('>').next().unwrap_or_default().trim().to_lowercase();
+    if PEOPLE.contains(&words.as_str()) { PERSON.into() } else { words }
+}
+
+/// Detections, people first, each kind numbered from left to right.
+fn numbered(mut found: Vec<(PixelBox, f64, String)>) -> Vec<Detection> {
+    found.sort_by(|a, b| {
+        let kinds = (a.2 != PERSON).cmp(&(b.2 != PERSON)).then(a.2.cmp(&b.2));
+        kinds.then(a.0.x.total_cmp(&b.0.x)).then(a.0.y.total_cmp(&b.0.y))
+    });
+    let mut number = 0;
+    let mut last = String::new();
+    let detection = |(bbox, score, category): (PixelBox, f64, String)| {
+        number = if category == last { number + 1 } else { 1 };
+        last.clone_from(&category);
+        Detection {
+            id: EntityId::new(&category, number),
+            category,
+            score,
+            bbox,
+            attributes: Attributes::default(),
+            interactions: Vec::new(),
+            group: None,
+            occlusion: None,
+            heading_rad: None,
+            box3d: None,
+        }
+    };
+    let mut detections: Vec<Detection> = found.into_iter().map(detection).collect();
+    detections.sort_by(|a, b| a.id.cmp(&b.id));
+    detections
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_for_people_are_persons_and_rests_of_tags_are_nothing() {
+        assert_eq!(
+            ["Man", "loc_4>person", "Chair ", "sep>"].map(category),
+            ["person", "person", "chair", ""]
+        );
+    }
+
+    #[test]
+    fn people_and_things_are_numbered_each_from_left_to_right() {
+        let at =
+            |x: f64, category: &str| (PixelBox::from([x, 0.0, 5.0, 5.0]), 0.5, category.into());
+        let found = numbered(vec![at(9.0, "chair"), at(30.0, "person"), at(10.0, "person")]);
+        let ids: Vec<String> = found.iter().map(|d| d.id.to_string()).collect();
+        assert_eq!(ids, ["chair:1", "person:1", "person:2"]);
+        assert_eq!(found[1].bbox.x, 10.0);
+    }
+}
