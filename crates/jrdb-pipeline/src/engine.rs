@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use jrdb_perception::{Engine, OrtEngine, OrtLibrary, RtenEngine};
+use jrdb_perception::{Engine, OrtEngine, OrtLibrary, RtenEngine, Sessions};
 
 use crate::Error;
 
@@ -30,6 +30,59 @@ pub struct EngineOptions {
     pub models: PathBuf,
 }
 
+/// A graph in a file larger than this, bytes, is in memory once and uses all cores; smaller ones run several at once on one core each.
+const LARGE: u64 = 64 << 20;
+
+/// Opens graphs with one engine.
+#[derive(Debug)]
+pub struct Loader {
+    library: Option<OrtLibrary>,
+    note: String,
+}
+
+impl Loader {
+    /// Finds the engine that the options ask for, as [`open_engine`] does.
+    ///
+    /// # Errors
+    /// When a library that was asked for does not load.
+    pub fn new(options: &EngineOptions) -> Result<Self, Error> {
+        let found = find_library(options)?;
+        if found.is_none() && options.choice == EngineChoice::Ort {
+            return Err(no_library());
+        }
+        let note = found.as_ref().map_or_else(
+            || "engine: rten (pure Rust, CPU)".into(),
+            |(_, path)| format!("engine: ONNX Runtime on the CPU, {}", path.display()),
+        );
+        Ok(Self { library: found.map(|(library, _)| library), note })
+    }
+
+    /// One line on which engine it is.
+    #[must_use]
+    pub fn note(&self) -> &str {
+        &self.note
+    }
+
+    /// Loads a graph, and weights that it keeps in files beside it.
+    ///
+    /// # Errors
+    /// When the file is missing or no graph that the engine knows.
+    pub fn open(&self, path: &Path) -> Result<Box<dyn Engine>, Error> {
+        let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
+        let size =
+            std::fs::metadata(path).map_err(|source| Error::file("read", path, source))?.len();
+        let Some(library) = &self.library else {
+            return Ok(Box::new(RtenEngine::from_file(path).map_err(wrap)?));
+        };
+        let sessions = if size > LARGE {
+            Sessions::One { threads: 0 }
+        } else {
+            Sessions::PerCall { threads: 1 }
+        };
+        Ok(Box::new(OrtEngine::from_file(library, path, sessions).map_err(wrap)?))
+    }
+}
+
 /// Loads a model into the engine that the options ask for, with one line on which it is.
 ///
 /// ONNX Runtime is looked for in this order: the path given, `ORT_DYLIB_PATH`, the models folder, the active
@@ -50,13 +103,15 @@ pub fn open_engine(
         return Ok((Box::new(engine), format!("engine: ONNX Runtime, {}", found.display())));
     }
     if options.choice == EngineChoice::Ort {
-        let tried = "--onnxruntime, ORT_DYLIB_PATH, the models folder, Python and the system";
-        return Err(Error::Usage(format!(
-            "expected an ONNX Runtime library, found none in {tried}"
-        )));
+        return Err(no_library());
     }
     let engine = RtenEngine::from_onnx(model).map_err(wrap)?;
     Ok((Box::new(engine), "engine: rten (pure Rust, CPU)".into()))
+}
+
+fn no_library() -> Error {
+    let tried = "--onnxruntime, ORT_DYLIB_PATH, the models folder, Python and the system";
+    Error::Usage(format!("expected an ONNX Runtime library, found none in {tried}"))
 }
 
 fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>, Error> {

@@ -34,6 +34,14 @@ pub enum Error {
         /// Why.
         source: jrdb_perception::EngineError,
     },
+    /// A model's folder holds another model than its name says, or a broken one.
+    #[error("{path:?}: {source}")]
+    Model {
+        /// The folder.
+        path: PathBuf,
+        /// Why.
+        source: Box<jrdb_perception::PerceptionError>,
+    },
     /// A file could not be read or written.
     #[error("cannot {action} {path:?}: {source}")]
     File {

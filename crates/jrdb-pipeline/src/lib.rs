@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod backbone;
 pub mod calib;
 pub mod draw;
 pub mod engine;

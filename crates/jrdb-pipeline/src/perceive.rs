@@ -5,12 +5,16 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use jrdb_dataset::SequenceLabels;
-use jrdb_perception::{Detector, SsdLite, SsdLiteConfig};
+use jrdb_perception::{AttributeModel, Detector, SsdLite, SsdLiteConfig};
+use jrdb_types::detection::PERSON;
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{Detections, Image, Issue};
+use jrdb_types::{Attributes, Detection, Detections, Image, Issue};
+use rayon::prelude::*;
 
 use crate::Error;
+use crate::backbone::{self, Backbone};
 use crate::engine::{EngineOptions, open_engine};
+use crate::error::with_causes;
 use crate::source::{FrameSource, without_root};
 
 /// The file of the SSDLite person detector in the models folder.
@@ -26,6 +30,8 @@ pub enum PerceptionSource {
     File(PathBuf),
     /// The SSDLite person detector on wrapped tiles.
     SsdLite,
+    /// The backbone of this name.
+    Backbone(String),
 }
 
 impl FromStr for PerceptionSource {
@@ -36,9 +42,19 @@ impl FromStr for PerceptionSource {
             None if text == "labels" => Ok(Self::Labels),
             None if text == "ssdlite" => Ok(Self::SsdLite),
             Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
-            _ => Err(format!("expected labels, file:PATH or ssdlite, found {text:?}")),
+            None if is_name(text) => Ok(Self::Backbone(text.into())),
+            _ => Err(format!(
+                "expected labels, file:PATH, ssdlite or the name of a backbone ({}), found {text:?}",
+                backbone::built_in().join(", ")
+            )),
         }
     }
+}
+
+/// Whether a text can be the name of a file in the models folder.
+fn is_name(text: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.+".contains(c);
+    text.chars().all(allowed) && text.starts_with(|c: char| c.is_ascii_alphanumeric())
 }
 
 /// Perception, ready to run on frames.
@@ -51,7 +67,7 @@ pub struct Perceiver {
 enum Kind {
     Labels(BTreeMap<(PathBuf, String), Result<SequenceLabels, String>>),
     File(BTreeMap<String, BTreeMap<u32, Detections>>),
-    Model(Box<dyn Detector + Send + Sync>),
+    Model(Box<dyn Detector + Send + Sync>, Option<Box<dyn AttributeModel + Send + Sync>>),
 }
 
 impl Perceiver {
@@ -69,6 +85,7 @@ impl Perceiver {
             PerceptionSource::Labels => Ok(Self::labels(frames)),
             PerceptionSource::File(path) => Self::file(path, frames),
             PerceptionSource::SsdLite => Self::ssdlite(models, engine),
+            PerceptionSource::Backbone(name) => Self::backbone(name, models, engine),
         }
     }
 
@@ -106,7 +123,13 @@ impl Perceiver {
         let (engine, note) = open_engine(&bytes, &path, options)?;
         let detector = SsdLite::new(engine, SsdLiteConfig::default());
         let config = serde_json::json!({ "perception": "ssdlite", "ssdlite": detector.config() });
-        Ok(Self { kind: Kind::Model(Box::new(detector)), config, notes: vec![note] })
+        Ok(Self { kind: Kind::Model(Box::new(detector), None), config, notes: vec![note] })
+    }
+
+    fn backbone(name: &str, models: &Path, options: &EngineOptions) -> Result<Self, Error> {
+        let opened = Backbone::named(name, models)?.open(name, models, options)?;
+        let kind = Kind::Model(opened.detector, opened.attributes);
+        Ok(Self { kind, config: opened.config, notes: opened.notes })
     }
 
     /// Whether an id is the same person or object in every frame of a sequence.
@@ -165,10 +188,42 @@ impl Perceiver {
                     .cloned()
                     .unwrap_or_else(|| nothing(format!("the file has nothing for {}", frame.id))))
             }
-            Kind::Model(detector) => match image {
-                Some(image) => Ok(detector.detect(image, &frame.id)?),
+            Kind::Model(detector, attributes) => match image {
+                Some(image) => {
+                    let mut detections = detector.detect(image, &frame.id)?;
+                    if let Some(model) = attributes {
+                        describe(&mut detections, image, &**model);
+                    }
+                    Ok(detections)
+                }
                 None => Ok(nothing("the model had no picture to look at".into())),
             },
+        }
+    }
+}
+
+/// Fills in what a model believes of every person. Somebody it fails on stays undescribed, and an issue says so.
+fn describe(
+    detections: &mut Detections,
+    image: &Image,
+    model: &(dyn AttributeModel + Send + Sync),
+) {
+    let look = |detection: &Detection| {
+        let is_person = detection.category == PERSON;
+        is_person.then(|| model.describe(image, detection))
+    };
+    let looks: Vec<Option<Result<Attributes, _>>> =
+        detections.detections.par_iter().map(look).collect();
+    for (detection, look) in detections.detections.iter_mut().zip(looks) {
+        match look {
+            Some(Ok(attributes)) => detection.attributes = attributes,
+            Some(Err(error)) => {
+                let message =
+                    format!("nothing is known of its attributes: {}", with_causes(&error));
+                let issue = Issue::about(IssueKind::NotDescribed, &detection.id, message);
+                detections.issues.push(issue);
+            }
+            None => {}
         }
     }
 }

@@ -14,6 +14,8 @@ pub enum IssueKind {
     MissingInput,
     /// An object of a label file could not be used.
     BadLabel,
+    /// A model could not describe a person: its attributes are unknown.
+    NotDescribed,
     /// A box lies outside the image or has no area.
     BadBox,
     /// Points without a finite position were skipped.

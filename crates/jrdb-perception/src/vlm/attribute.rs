@@ -91,6 +91,17 @@ impl VlmAttributes {
         self.vlm.engine_name()
     }
 
+    /// Every setting that shapes what is believed, for the artefact's `config`.
+    #[must_use]
+    pub fn config(&self) -> serde_json::Value {
+        serde_json::json!({
+            "model": "internvl",
+            "engine": self.engine_name(),
+            "settings": self.config,
+            "tiles": self.model.tiles,
+        })
+    }
+
     /// What is believed of the person who fills a picture.
     ///
     /// The picture is seen and read once for all questions.

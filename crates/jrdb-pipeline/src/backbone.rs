@@ -1,0 +1,255 @@
+//! Models that see: which ones, in which files, with which settings. Backbones are data.
+//!
+//! A backbone is a JSON file in the models folder, `NAME.json`, that names folders with graphs and the files beside them. What
+//! `--perception NAME` means is all there; two are built in.
+
+use std::path::{Path, PathBuf};
+
+use jrdb_perception::florence2::{
+    DecoderParts, Florence2, Florence2Config, Florence2Parts, FlorenceDetector,
+    FlorenceDetectorConfig,
+};
+use jrdb_perception::tokens::Tokens;
+use jrdb_perception::vlm::{AttributeConfig, InternVlConfig, VlmAttributes};
+use jrdb_perception::{AttributeModel, Detector, Engine, PerceptionError};
+use serde::Deserialize;
+
+use crate::Error;
+use crate::engine::{EngineOptions, Loader};
+
+/// Backbones that need no file of their own, only their models.
+const BUILT_IN: [(&str, &str); 3] = [
+    ("demo", include_str!("backbone/demo.json")),
+    ("florence2-internvl", include_str!("backbone/florence2-internvl.json")),
+    ("paper", include_str!("backbone/paper.json")),
+];
+
+/// A backbone as its file describes it.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backbone {
+    /// One line on what it is, said whenever it runs.
+    pub about: String,
+    /// What finds people and things.
+    pub detector: DetectorFiles,
+    /// What describes people; nobody does if absent.
+    #[serde(default)]
+    pub attributes: Option<AttributeFiles>,
+}
+
+/// A detector's files and settings.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum DetectorFiles {
+    /// Florence-2.
+    Florence2 {
+        /// Where its graphs are.
+        #[serde(flatten)]
+        graphs: Graphs,
+        /// How it looks.
+        #[serde(default)]
+        settings: FlorenceDetectorConfig,
+    },
+}
+
+/// An attribute model's files and settings.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum AttributeFiles {
+    /// InternVL.
+    Internvl {
+        /// Where its graphs are.
+        #[serde(flatten)]
+        graphs: Graphs,
+        /// What is asked, and how.
+        #[serde(default)]
+        settings: AttributeConfig,
+    },
+}
+
+/// Graphs of one model.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+pub struct Graphs {
+    /// Folder with `config.json`, `tokenizer.json` and the like, from the models folder.
+    pub folder: PathBuf,
+    /// What the graphs' names end with: `_q4` for `decoder_model_merged_q4.onnx`.
+    #[serde(default)]
+    pub variant: String,
+}
+
+/// A backbone whose models are loaded.
+pub struct Opened {
+    /// Finds people and things.
+    pub detector: Box<dyn Detector + Send + Sync>,
+    /// Describes people.
+    pub attributes: Option<Box<dyn AttributeModel + Send + Sync>>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// All that shapes the detections.
+    pub config: serde_json::Value,
+}
+
+/// The names of the backbones that are built in.
+#[must_use]
+pub fn built_in() -> Vec<&'static str> {
+    BUILT_IN.iter().map(|(name, _)| *name).collect()
+}
+
+impl Backbone {
+    /// The backbone of a name: a file in the models folder, else a built-in one.
+    ///
+    /// # Errors
+    /// When there is none, or it is not what a backbone should be.
+    pub fn named(name: &str, models: &Path) -> Result<Self, Error> {
+        let path = models.join(format!("{name}.json"));
+        let built_in = BUILT_IN.iter().find(|(known, _)| *known == name);
+        let text = match (std::fs::read_to_string(&path), built_in) {
+            (Ok(text), _) => text,
+            (Err(_), Some((_, text))) => (*text).into(),
+            (Err(source), None) => {
+                return Err(Error::Usage(format!(
+                    "expected a backbone {path:?} or one of {}, found none called {name:?}: {source}",
+                    self::built_in().join(", ")
+                )));
+            }
+        };
+        let wrong = |error| Error::Usage(format!("expected a backbone in {path:?}: {error}"));
+        serde_json::from_str(&text).map_err(wrong)
+    }
+
+    /// Loads the models.
+    ///
+    /// # Errors
+    /// When a file is missing or unusable; it is named.
+    pub fn open(&self, name: &str, models: &Path, engine: &EngineOptions) -> Result<Opened, Error> {
+        let loader = Loader::new(engine)?;
+        let DetectorFiles::Florence2 { graphs, settings } = &self.detector;
+        let detector = florence2(&Folder::new(models, graphs), &loader, settings)?;
+        let attributes = match &self.attributes {
+            Some(AttributeFiles::Internvl { graphs, settings }) => {
+                Some(internvl(&Folder::new(models, graphs), &loader, settings)?)
+            }
+            None => None,
+        };
+        let attribute_config = attributes.as_ref().map(|model| model.config());
+        let config = serde_json::json!({
+            "perception": name,
+            "about": self.about,
+            "detector": detector.config(),
+            "attributes": attribute_config,
+        });
+        let attributes = attributes.map(|model| Box::new(model) as _);
+        let notes = vec![format!("{name}: {}", self.about), loader.note().into()];
+        Ok(Opened { detector: Box::new(detector), attributes, notes, config })
+    }
+}
+
+/// A model's folder.
+struct Folder {
+    path: PathBuf,
+    variant: String,
+}
+
+impl Folder {
+    fn new(models: &Path, graphs: &Graphs) -> Self {
+        Self { path: models.join(&graphs.folder), variant: graphs.variant.clone() }
+    }
+
+    fn text(&self, file: &str) -> Result<String, Error> {
+        let path = self.path.join(file);
+        std::fs::read_to_string(&path).map_err(|source| Error::file("read", &path, source))
+    }
+
+    /// A graph's file: in `onnx/`, or in the folder itself.
+    fn graph(&self, name: &str) -> Result<PathBuf, Error> {
+        let file = format!("{name}{}.onnx", self.variant);
+        let places = [self.path.join("onnx").join(&file), self.path.join(&file)];
+        let found = places.iter().find(|path| path.is_file()).cloned();
+        found.ok_or_else(|| {
+            let [first, _] = places;
+            Error::file("read", &first, std::io::ErrorKind::NotFound.into())
+        })
+    }
+
+    fn open(&self, name: &str, loader: &Loader) -> Result<Box<dyn Engine>, Error> {
+        loader.open(&self.graph(name)?)
+    }
+
+    /// An error of one of its files.
+    fn refused(&self) -> impl Fn(PerceptionError) -> Error + '_ {
+        |source| Error::Model { path: self.path.clone(), source: Box::new(source) }
+    }
+}
+
+fn florence2(
+    folder: &Folder,
+    loader: &Loader,
+    settings: &FlorenceDetectorConfig,
+) -> Result<FlorenceDetector, Error> {
+    let processor = folder.text("processor_config.json").ok();
+    let config = Florence2Config::from_json(
+        &folder.text("config.json")?,
+        &folder.text("generation_config.json")?,
+        &folder.text("preprocessor_config.json")?,
+        processor.as_deref(),
+    );
+    // The merged graph holds the weights once; where the two single ones are there instead, they are as good.
+    let decoder = match folder.graph("decoder_model_merged") {
+        Ok(path) => DecoderParts::Merged(loader.open(&path)?),
+        Err(missing) => match folder.graph("decoder_model") {
+            Ok(first) => DecoderParts::Split {
+                first: loader.open(&first)?,
+                next: folder.open("decoder_with_past_model", loader)?,
+            },
+            Err(_) => return Err(missing),
+        },
+    };
+    let model = Florence2::new(Florence2Parts {
+        config: config.map_err(folder.refused())?,
+        tokens: Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?,
+        vision_encoder: folder.open("vision_encoder", loader)?,
+        embed_tokens: folder.open("embed_tokens", loader)?,
+        encoder: folder.open("encoder_model", loader)?,
+        decoder,
+    });
+    let model = model.map_err(folder.refused())?;
+    FlorenceDetector::new(model, settings.clone()).map_err(folder.refused())
+}
+
+fn internvl(
+    folder: &Folder,
+    loader: &Loader,
+    settings: &AttributeConfig,
+) -> Result<VlmAttributes, Error> {
+    let config = InternVlConfig::from_json(
+        &folder.text("config.json")?,
+        &folder.text("generation_config.json")?,
+        &folder.text("preprocessor_config.json")?,
+    );
+    let config = config.map_err(folder.refused())?;
+    let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
+    let (vision, embed) =
+        (folder.open("vision_encoder", loader)?, folder.open("embed_tokens", loader)?);
+    let decoder = folder.open("decoder_model_merged", loader)?;
+    let vlm = config.model(tokens, vision, embed, decoder).map_err(folder.refused())?;
+    VlmAttributes::new(vlm, config, settings.clone()).map_err(folder.refused())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_built_in_is_read() {
+        for (name, _) in BUILT_IN {
+            let found = Backbone::named(name, Path::new("/nowhere")).unwrap();
+            assert!(!found.about.is_empty() && found.attributes.is_some(), "{name}");
+        }
+    }
+
+    #[test]
+    fn unknown_names_are_told_with_the_known_ones() {
+        let error = Backbone::named("eyes", Path::new("/nowhere")).unwrap_err().to_string();
+        assert!(error.contains("demo, florence2-internvl, paper"), "{error}");
+    }
+}
