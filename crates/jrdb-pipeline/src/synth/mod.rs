@@ -12,11 +12,13 @@ mod lidar;
 mod paint;
 mod person;
 mod plan;
+mod practice;
 mod questions;
 mod random;
 mod robot;
 mod room;
 mod solid;
+mod view;
 mod wording;
 
 #[cfg(test)]
@@ -25,7 +27,7 @@ mod tests;
 use std::path::Path;
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
-use jrdb_types::{Attributes, Belief, FrameId, Image, PixelBox, PointCloud, Question, Questions};
+use jrdb_types::{Attributes, Belief, FrameId, Image, PointCloud, Question, Questions};
 use serde::{Deserialize, Serialize};
 
 use cast::Cast;
@@ -34,8 +36,10 @@ use paint::{Subject, chair_of};
 use random::Random;
 use room::Room;
 
+pub use practice::{Practice, TILE_PX, practice};
 pub use robot::calibration;
 pub use room::Setting;
+pub use view::{InTile, Seen, View};
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
 pub const QUESTIONS_FILE: &str = "questions.json";
@@ -99,30 +103,6 @@ pub struct Frame {
     pub labels: LabelledFrame,
     /// Questions with their answers, sorted by category.
     pub questions: Vec<Question>,
-}
-
-/// A frame's picture without sweeps and questions, and what a model of perception should see in it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct View {
-    /// The panorama.
-    pub image: Image,
-    /// For each pixel 0, or the [`Seen::instance`] whose it is.
-    pub instances: Vec<u8>,
-    /// Everybody of whom a row is in the picture, in the order of their ids.
-    pub people: Vec<Seen>,
-}
-
-/// A person in a [`View`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct Seen {
-    /// The number of their pixels in [`View::instances`].
-    pub instance: u8,
-    /// How many pixels they have, those included that others hide.
-    pub pixels: usize,
-    /// The whole drawing, hidden parts too, pixels.
-    pub bbox: PixelBox,
-    /// What is true of them, which way they face included.
-    pub attributes: Attributes,
 }
 
 /// Makes a world. The same configuration gives the same world.

@@ -16,6 +16,11 @@ impl Random {
         Self(start ^ Self(stream).next_u64())
     }
 
+    /// The generator that begins with a seed as it is.
+    pub(super) fn seeded(seed: u64) -> Self {
+        Self(seed)
+    }
+
     fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(STEP);
         let mut z = self.0;
