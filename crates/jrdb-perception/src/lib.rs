@@ -5,6 +5,7 @@ pub mod decode;
 pub mod detector;
 pub mod engine;
 pub mod florence2;
+pub mod grounding_dino;
 pub mod merge;
 pub mod nms;
 pub mod picture;

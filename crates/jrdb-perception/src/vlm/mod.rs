@@ -7,6 +7,7 @@ mod attribute;
 mod causal;
 mod internvl;
 mod question;
+mod qwen25vl;
 mod reply;
 mod score;
 
@@ -16,6 +17,7 @@ pub use attribute::{AttributeConfig, Profile, VlmAttributes};
 pub use causal::{Cache, Place};
 pub use internvl::{InternVlConfig, grid, tiles_of};
 pub use question::{Question, Topic, questions};
+pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
 pub use reply::label_in;
 pub use score::LabelScore;
 

@@ -1,0 +1,321 @@
+//! Qwen2.5-VL (Bai et al. 2025): pictures of any size as patches, tokens with places in rows and columns, boxes as JSON.
+
+use jrdb_types::Image;
+use serde::Deserialize;
+
+use super::{Place, Vlm, VlmParts};
+use crate::decode::DecodeConfig;
+use crate::detector::PerceptionError;
+use crate::engine::{Engine, Tensor};
+use crate::picture::{PictureConfig, PictureSize};
+use crate::resize::resize;
+use crate::tokens::{Tokens, parse_json};
+
+/// Sizes and rules of one model, from the files beside its weights.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Qwen25VlConfig {
+    /// Fewest and most pixels of a picture after resizing.
+    pub pixels: [usize; 2],
+    /// Side of a patch, pixels.
+    pub patch_px: usize,
+    /// Patches per side of what becomes one token.
+    pub merge: usize,
+    /// How often a still picture is repeated in time.
+    pub frames: usize,
+    /// Filter and normalisation; its size is not used.
+    pub picture: PictureConfig,
+    /// Heads of the text model's caches.
+    pub cache_heads: usize,
+    /// Width of each.
+    pub cache_width: usize,
+    /// The token that image tokens stand for.
+    pub image_token: u32,
+    /// How answers end.
+    pub decode: DecodeConfig,
+}
+
+#[derive(Deserialize)]
+struct ModelFile {
+    image_token_id: u32,
+    #[serde(flatten)]
+    flat: Option<TextFile>,
+    text_config: Option<TextFile>,
+}
+
+#[derive(Deserialize)]
+struct TextFile {
+    num_key_value_heads: usize,
+    num_attention_heads: usize,
+    hidden_size: usize,
+}
+
+#[derive(Deserialize)]
+struct PictureFile {
+    min_pixels: usize,
+    max_pixels: usize,
+    patch_size: usize,
+    merge_size: usize,
+    temporal_patch_size: usize,
+    #[serde(default = "bicubic")]
+    resample: u8,
+    #[serde(default = "per_byte")]
+    rescale_factor: f64,
+    image_mean: [f64; 3],
+    image_std: [f64; 3],
+}
+
+fn bicubic() -> u8 {
+    3
+}
+
+fn per_byte() -> f64 {
+    1.0 / 255.0
+}
+
+/// The greatest ratio of a picture's sides that the model takes.
+const RATIO_MAX: f64 = 200.0;
+
+/// A picture as the vision encoder wants it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Patches {
+    /// Patches, those of a token together, f32 `[patches, 3 · frames · side · side]`.
+    pub pixels: Tensor,
+    /// Frames, rows and columns of patches, i64 `[1, 3]`.
+    pub grid: Tensor,
+    /// Rows and columns of tokens.
+    pub tokens: [usize; 2],
+    /// Columns and rows of the resized picture.
+    pub size_px: [usize; 2],
+}
+
+impl Qwen25VlConfig {
+    /// Reads the texts of `config.json`, `generation_config.json` and `preprocessor_config.json`.
+    ///
+    /// # Errors
+    /// [`PerceptionError::File`] if one of them is not what its name says, [`PerceptionError::Setting`] if a number is out of range.
+    pub fn from_json(
+        config: &str,
+        generation: &str,
+        preprocessor: &str,
+    ) -> Result<Self, PerceptionError> {
+        let model: ModelFile = parse_json("config.json", config)?;
+        let file: PictureFile = parse_json("preprocessor_config.json", preprocessor)?;
+        let (setting, expected) = ("text model's sizes", "in config.json");
+        let text = model.text_config.or(model.flat);
+        let text = text.ok_or(PerceptionError::Setting { setting, expected, found: 0.0 })?;
+        let in_range = (1..=64).contains(&file.patch_size) && (1..=8).contains(&file.merge_size);
+        if !in_range || !(1..=8).contains(&file.temporal_patch_size) {
+            let (setting, expected) =
+                ("patch, merge and temporal_patch_size", "in [1, 64] and [1, 8]");
+            return Err(PerceptionError::Setting {
+                setting,
+                expected,
+                found: file.patch_size as f64,
+            });
+        }
+        Ok(Self {
+            pixels: [file.min_pixels, file.max_pixels],
+            patch_px: file.patch_size,
+            merge: file.merge_size,
+            frames: file.temporal_patch_size,
+            picture: PictureConfig {
+                size: PictureSize { height: 1, width: 1 },
+                resample: file.resample,
+                rescale_factor: file.rescale_factor,
+                image_mean: file.image_mean,
+                image_std: file.image_std,
+            },
+            cache_heads: text.num_key_value_heads,
+            cache_width: text.hidden_size / text.num_attention_heads.max(1),
+            image_token: model.image_token_id,
+            decode: parse_json("generation_config.json", generation)?,
+        })
+    }
+
+    /// The model of these sizes.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Graph`] if the decoder has no caches.
+    pub fn model(
+        &self,
+        tokens: Tokens,
+        vision_encoder: Box<dyn Engine>,
+        embed_tokens: Box<dyn Engine>,
+        decoder: Box<dyn Engine>,
+    ) -> Result<Vlm, PerceptionError> {
+        Vlm::new(VlmParts {
+            tokens,
+            vision_encoder,
+            embed_tokens,
+            decoder,
+            cache_heads: self.cache_heads,
+            cache_width: self.cache_width,
+            is_spatial: true,
+            image_token: self.image_token,
+            decode: self.decode.clone(),
+        })
+    }
+
+    /// Columns and rows of a picture after resizing: multiples of a token's side, as many pixels as are allowed.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Setting`] if one side is more than 200 times the other.
+    pub fn resized(&self, [width, height]: [usize; 2]) -> Result<[usize; 2], PerceptionError> {
+        let ratio = width.max(height) as f64 / width.min(height) as f64;
+        if ratio.is_nan() || ratio > RATIO_MAX {
+            let (setting, expected) = ("ratio of a picture's sides", "at most 200");
+            return Err(PerceptionError::Setting { setting, expected, found: ratio });
+        }
+        let factor = (self.patch_px * self.merge) as f64;
+        let sides = [width as f64, height as f64];
+        let near = sides.map(|side| (side / factor).round_ties_even() * factor);
+        let [fewest, most] = self.pixels.map(|pixels| pixels as f64);
+        let area = near[0] * near[1];
+        let fit = if area > most {
+            let shrink = (sides[0] * sides[1] / most).sqrt();
+            sides.map(|side| ((side / shrink / factor).floor() * factor).max(factor))
+        } else if area < fewest {
+            let grow = (fewest / (sides[0] * sides[1])).sqrt();
+            sides.map(|side| (side * grow / factor).ceil() * factor)
+        } else {
+            near
+        };
+        Ok(fit.map(|side| side as usize))
+    }
+
+    /// A picture as patches.
+    ///
+    /// # Errors
+    /// As [`Qwen25VlConfig::resized`].
+    pub fn prepare(&self, image: &Image) -> Result<Patches, PerceptionError> {
+        let [width, height] = self.resized([image.width, image.height])?;
+        let small = resize(image, width, height, self.picture.filter());
+        let values = self.picture.normalise(&small);
+        let [columns, rows] = [width / self.patch_px, height / self.patch_px];
+        let mut data = Vec::with_capacity(values.len() * self.frames);
+        for token_row in 0..rows / self.merge {
+            for token in 0..columns / self.merge {
+                for patch in 0..self.merge * self.merge {
+                    let y = token_row * self.merge + patch / self.merge;
+                    let x = token * self.merge + patch % self.merge;
+                    self.push_patch(&mut data, &values, [x, y], [width, height]);
+                }
+            }
+        }
+        let width_of_patch = 3 * self.frames * self.patch_px * self.patch_px;
+        let grid = vec![1, rows as i64, columns as i64];
+        Ok(Patches {
+            pixels: Tensor::F32 { shape: vec![rows * columns, width_of_patch], data },
+            grid: Tensor::I64 { shape: vec![1, 3], data: grid },
+            tokens: [rows / self.merge, columns / self.merge],
+            size_px: [width, height],
+        })
+    }
+
+    /// Adds one patch: channel by channel, frame by frame, row by row.
+    fn push_patch(
+        &self,
+        data: &mut Vec<f32>,
+        values: &[f32],
+        [x, y]: [usize; 2],
+        [width, height]: [usize; 2],
+    ) {
+        let side = self.patch_px;
+        for channel in 0..3 {
+            for _ in 0..self.frames {
+                for row in 0..side {
+                    let start = channel * width * height + (y * side + row) * width + x * side;
+                    data.extend_from_slice(&values[start..start + side]);
+                }
+            }
+        }
+    }
+
+    /// The words of a conversation in which the user shows a picture of so many tokens and asks something.
+    #[must_use]
+    pub fn prompt(&self, question: &str, [rows, columns]: [usize; 2]) -> String {
+        let image = "<|image_pad|>".repeat(rows * columns);
+        format!(
+            "<|im_start|>system\nYou are a helpful assistant.<|im_end|>\n<|im_start|>user\n\
+             <|vision_start|>{image}<|vision_end|>{question}<|im_end|>\n<|im_start|>assistant\n"
+        )
+    }
+
+    /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in rows and columns at one moment, and what
+    /// follows goes on behind the farthest of them.
+    #[must_use]
+    pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Place> {
+        let (mut next, mut places) = (0_i64, Vec::with_capacity(ids.len()));
+        for run in ids.chunk_by(|a, b| (*a == self.image_token) == (*b == self.image_token)) {
+            if run[0] == self.image_token {
+                let columns = columns.max(1);
+                let place =
+                    |at: usize| [0, at / columns, at % columns].map(|step| next + step as i64);
+                places.extend((0..run.len()).map(place));
+            } else {
+                places.extend((next..).map(|place| [place; 3]).take(run.len()));
+            }
+            next = places.iter().flatten().max().map_or(next, |last| last + 1);
+        }
+        places
+    }
+}
+
+/// A box in an answer.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JsonBox {
+    /// What it is called; empty if it has no name.
+    pub label: String,
+    /// Corners x0, y0, x1, y1, pixels of the original picture.
+    pub corners: [f64; 4],
+}
+
+/// Reads boxes from an answer in JSON, with or without a fence around it: a list or a single object, whose numbers are pixels of the resized
+/// picture. `scale` turns those into pixels of the original one, along x and y.
+///
+/// # Errors
+/// [`PerceptionError::File`] if there is no JSON; entries without four numbers are left out.
+///
+/// ```
+/// use jrdb_perception::vlm::json_boxes;
+/// let found = json_boxes("```json\n[{\"bbox_2d\": [1, 2, 3, 4], \"label\": \"person\"}]\n```", [2.0, 1.0]).unwrap();
+/// assert_eq!((found[0].label.as_str(), found[0].corners), ("person", [2.0, 2.0, 6.0, 4.0]));
+/// ```
+pub fn json_boxes(answer: &str, scale: [f64; 2]) -> Result<Vec<JsonBox>, PerceptionError> {
+    let start = answer.find(['[', '{']).unwrap_or(0);
+    let end = answer.rfind([']', '}']).map_or(answer.len(), |at| at + 1);
+    let inside = answer.get(start..end.max(start)).unwrap_or_default();
+    let value: serde_json::Value = parse_json("answer in JSON", inside)?;
+    let entries = match value {
+        serde_json::Value::Array(entries) => entries,
+        single => vec![single],
+    };
+    let read = |entry: &serde_json::Value| {
+        let place = ["bbox_2d", "bbox", "box"].iter().find_map(|key| entry.get(key))?.as_array()?;
+        let numbers: Vec<f64> = place.iter().filter_map(serde_json::Value::as_f64).collect();
+        let corners: [f64; 4] = numbers.try_into().ok()?;
+        let corners = std::array::from_fn(|axis| corners[axis] * scale[axis % 2]);
+        let label = entry.get("label").and_then(|label| label.as_str()).unwrap_or_default();
+        Some(JsonBox { label: label.into(), corners })
+    };
+    Ok(entries.iter().filter_map(read).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_come_in_many_forms() {
+        let read = |answer: &str| json_boxes(answer, [1.0, 1.0]).map(|found| found.len());
+        assert_eq!(read("{\"bbox\": [1, 2, 3, 4]}").unwrap(), 1);
+        assert_eq!(
+            read("Sure! [{\"box\": [1, 2, 3, 4]}, {\"box\": [1, 2]}, {}] Anything else?").unwrap(),
+            1
+        );
+        assert_eq!(read("[]").unwrap(), 0);
+        for broken in ["I see nobody.", "", "]{", "[{\"bbox_2d\": [1, 2"] {
+            assert!(read(broken).unwrap_err().to_string().contains("answer in JSON"), "{broken}");
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! MM-Grounding-DINO against the reference implementation, on a tiny model of the same architecture.
+#![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::print_stdout, reason = "tests say what they found and what they skip")]
+
+mod goldens;
+mod onnxruntime;
+
+use goldens::{Kind, floats, ids, json, png, text, worst};
+use jrdb_perception::Tensor;
+use jrdb_perception::grounding_dino::{CanvasConfig, GroundingConfig, GroundingDino};
+use jrdb_perception::tokens::Tokens;
+
+const FOLDER: &str = "mm_grounding_dino_tiny";
+
+#[test]
+fn conformance_grounding_dino_boxes_and_phrases() {
+    let Some(folder) = goldens::folder(FOLDER) else { return };
+    let golden = json(&folder, "golden.json");
+    let canvas = CanvasConfig::from_json(&text(&folder, "preprocessor_config.json")).unwrap();
+    let kinds = std::iter::once(Kind::Rten).chain(onnxruntime::find().map(Kind::Ort));
+    for kind in kinds {
+        let tokens = Tokens::from_json(&text(&folder, "tokenizer.json")).unwrap();
+        let engine = kind.open(&folder.join("onnx/model.onnx"));
+        let model = GroundingDino::new(engine, tokens, canvas.clone());
+        let (mut right, mut pixels, mut logits, mut boxes) = (0, 0.0_f64, 0.0_f64, 0.0_f64);
+        let cases = golden["cases"].as_array().unwrap();
+        for case in cases {
+            let image = png(&folder.join(format!("{}.png", case["image"].as_str().unwrap())));
+            let prompt = model.spell(case["prompt"].as_str().unwrap()).unwrap();
+            assert_eq!(prompt, ids(&case["input_ids"]));
+            let prepared = canvas.prepare(&image);
+            let Tensor::F32 { shape, data } = &prepared.pixels else {
+                panic!("pixels are numbers")
+            };
+            pixels = pixels.max(worst(&case["pixel_values"], shape, data));
+            assert_eq!(prepared.size_px.map(|n| n as u32).to_vec(), ids(&case["resized_wh"]));
+
+            let looked = model.look(&image, &prompt).unwrap();
+            let rows = looked.logits.chunks(looked.columns).flat_map(|row| &row[..prompt.len()]);
+            let finite: Vec<f32> = rows.copied().collect();
+            logits = logits.max(worst(
+                &case["logits_finite"],
+                &[looked.boxes.len(), prompt.len()],
+                &finite,
+            ));
+            let flat = looked.boxes.as_flattened();
+            boxes = boxes.max(worst(&case["pred_boxes"], &[looked.boxes.len(), 4], flat));
+
+            let config = GroundingConfig {
+                threshold: case["threshold"].as_f64().unwrap(),
+                text_threshold: case["text_threshold"].as_f64().unwrap(),
+            };
+            let size_px = [image.width as f64, image.height as f64];
+            let found = model.grounded(&looked, &prompt, size_px, &config).unwrap();
+            let post = &case["post"];
+            let labels: Vec<&str> = post["text_labels"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .map(|label| label.as_str().unwrap())
+                .collect();
+            let same_labels = found.iter().map(|one| one.tokens.as_str()).eq(labels);
+            let same_scores =
+                found.iter().zip(floats(&post["scores"])).all(|(a, b)| (a.score - b).abs() < 1e-4);
+            let expected: Vec<Vec<f64>> =
+                post["boxes"].as_array().unwrap().iter().map(floats).collect();
+            let near =
+                |(a, b): (&[f64; 4], &Vec<f64>)| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 0.02);
+            let corners: Vec<[f64; 4]> = found.iter().map(|one| one.corners).collect();
+            let same_boxes =
+                corners.len() == expected.len() && corners.iter().zip(&expected).all(near);
+            right += usize::from(same_labels && same_scores && same_boxes);
+        }
+        println!(
+            "{}: {right} of {} cases, pixels within {pixels:.1e}, logits within {logits:.1e}, boxes within {boxes:.1e}",
+            kind.name(),
+            cases.len()
+        );
+        assert_eq!((right, cases.len()), (15, 15));
+        assert!(pixels < 1e-5 && logits < 1e-3 && boxes < 1e-4);
+    }
+}
+
+#[test]
+fn conformance_grounding_dino_sizes() {
+    let Some(folder) = goldens::folder(FOLDER) else { return };
+    let golden = json(&folder, "golden.json");
+    let sizes = golden["resize_wh"].as_object().unwrap();
+    for (name, expected) in sizes {
+        let (width, height) = name.split_once('x').unwrap();
+        let size = [width.parse().unwrap(), height.parse().unwrap()];
+        let found = CanvasConfig::resized(size, 800, 1333).map(|n| n as u32);
+        assert_eq!(found.to_vec(), ids(&expected["800/1333"]), "{name}");
+    }
+    println!("{} of {0} sizes", sizes.len());
+}
