@@ -8,6 +8,7 @@ pub mod florence2;
 pub mod grounding_dino;
 pub mod merge;
 pub mod nms;
+mod numbered;
 pub mod picture;
 pub mod resize;
 pub mod ssdlite;

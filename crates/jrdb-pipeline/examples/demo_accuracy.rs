@@ -48,8 +48,9 @@ fn main() -> Result<()> {
 /// The same models, looking at a picture as one tile.
 fn one_tile(backbone: &Backbone) -> Backbone {
     let mut backbone = backbone.clone();
-    let DetectorFiles::Florence2 { settings, .. } = &mut backbone.detector;
-    (settings.tile_aspect, settings.wraps) = (0.0, false);
+    if let DetectorFiles::Florence2 { settings, .. } = &mut backbone.detector {
+        (settings.tile_aspect, settings.wraps) = (0.0, false);
+    }
     backbone
 }
 

@@ -9,8 +9,13 @@ use jrdb_perception::florence2::{
     DecoderParts, Florence2, Florence2Config, Florence2Parts, FlorenceDetector,
     FlorenceDetectorConfig,
 };
+use jrdb_perception::grounding_dino::{
+    CanvasConfig, GroundingDetector, GroundingDetectorConfig, GroundingDino,
+};
 use jrdb_perception::tokens::Tokens;
-use jrdb_perception::vlm::{AttributeConfig, InternVlConfig, VlmAttributes};
+use jrdb_perception::vlm::{
+    AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes,
+};
 use jrdb_perception::{AttributeModel, Detector, Engine, PerceptionError};
 use serde::Deserialize;
 
@@ -44,11 +49,18 @@ pub enum DetectorFiles {
     /// Florence-2.
     Florence2 {
         /// Where its graphs are.
-        #[serde(flatten)]
         graphs: Graphs,
         /// How it looks.
         #[serde(default)]
         settings: FlorenceDetectorConfig,
+    },
+    /// MM-Grounding-DINO or LLMDet.
+    GroundingDino {
+        /// Where its graph is.
+        graphs: Graphs,
+        /// What it looks for, and how.
+        #[serde(default)]
+        settings: GroundingDetectorConfig,
     },
 }
 
@@ -56,10 +68,18 @@ pub enum DetectorFiles {
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum AttributeFiles {
-    /// InternVL.
+    /// InternVL3.5.
     Internvl {
         /// Where its graphs are.
-        #[serde(flatten)]
+        graphs: Graphs,
+        /// What is asked, and how.
+        #[serde(default)]
+        settings: AttributeConfig,
+    },
+    /// Qwen2.5-VL.
+    #[serde(rename = "qwen2.5-vl")]
+    Qwen25Vl {
+        /// Where its graphs are.
         graphs: Graphs,
         /// What is asked, and how.
         #[serde(default)]
@@ -69,6 +89,7 @@ pub enum AttributeFiles {
 
 /// Graphs of one model.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Graphs {
     /// Folder with `config.json`, `tokenizer.json` and the like, from the models folder.
     pub folder: PathBuf,
@@ -123,15 +144,12 @@ impl Backbone {
     /// When a file is missing or unusable; it is named.
     pub fn open(&self, name: &str, models: &Path, engine: &EngineOptions) -> Result<Opened, Error> {
         let loader = Loader::new(engine)?;
-        let DetectorFiles::Florence2 { graphs, settings } = &self.detector;
-        let detector = florence2(&Folder::new(models, graphs), &loader, settings)?;
+        let detector = self.detector.open(models, &loader)?;
         let attributes = match &self.attributes {
-            Some(AttributeFiles::Internvl { graphs, settings }) => {
-                Some(internvl(&Folder::new(models, graphs), &loader, settings)?)
-            }
+            Some(files) => Some(files.open(models, &loader)?),
             None => None,
         };
-        let attribute_config = attributes.as_ref().map(|model| model.config());
+        let attribute_config = attributes.as_ref().map(VlmAttributes::config);
         let config = serde_json::json!({
             "perception": name,
             "about": self.about,
@@ -140,7 +158,43 @@ impl Backbone {
         });
         let attributes = attributes.map(|model| Box::new(model) as _);
         let notes = vec![format!("{name}: {}", self.about), loader.note().into()];
-        Ok(Opened { detector: Box::new(detector), attributes, notes, config })
+        Ok(Opened { detector, attributes, notes, config })
+    }
+}
+
+impl DetectorFiles {
+    fn open(
+        &self,
+        models: &Path,
+        loader: &Loader,
+    ) -> Result<Box<dyn Detector + Send + Sync>, Error> {
+        Ok(match self {
+            Self::Florence2 { graphs, settings } => {
+                Box::new(florence2(&Folder::new(models, graphs), loader, settings)?)
+            }
+            Self::GroundingDino { graphs, settings } => {
+                Box::new(grounding_dino(&Folder::new(models, graphs), loader, settings)?)
+            }
+        })
+    }
+}
+
+impl AttributeFiles {
+    fn open(&self, models: &Path, loader: &Loader) -> Result<VlmAttributes, Error> {
+        let (Self::Internvl { graphs, settings } | Self::Qwen25Vl { graphs, settings }) = self;
+        let folder = Folder::new(models, graphs);
+        let [config, generation, picture] = texts(&folder)?;
+        let family = match self {
+            Self::Internvl { .. } => {
+                InternVlConfig::from_json(&config, &generation, &picture).map(Family::InternVl)
+            }
+            Self::Qwen25Vl { .. } => {
+                Qwen25VlConfig::from_json(&config, &generation, &picture).map(Family::Qwen25Vl)
+            }
+        };
+        let family = family.map_err(folder.refused())?;
+        let model = vlm(&folder, loader, &family)?;
+        VlmAttributes::new(model, family, settings.clone()).map_err(folder.refused())
     }
 }
 
@@ -165,10 +219,7 @@ impl Folder {
         let file = format!("{name}{}.onnx", self.variant);
         let places = [self.path.join("onnx").join(&file), self.path.join(&file)];
         let found = places.iter().find(|path| path.is_file()).cloned();
-        found.ok_or_else(|| {
-            let [first, _] = places;
-            Error::file("read", &first, std::io::ErrorKind::NotFound.into())
-        })
+        found.ok_or_else(|| Error::file("read", &places[0], std::io::ErrorKind::NotFound.into()))
     }
 
     fn open(&self, name: &str, loader: &Loader) -> Result<Box<dyn Engine>, Error> {
@@ -216,23 +267,37 @@ fn florence2(
     FlorenceDetector::new(model, settings.clone()).map_err(folder.refused())
 }
 
-fn internvl(
+fn grounding_dino(
     folder: &Folder,
     loader: &Loader,
-    settings: &AttributeConfig,
-) -> Result<VlmAttributes, Error> {
-    let config = InternVlConfig::from_json(
-        &folder.text("config.json")?,
-        &folder.text("generation_config.json")?,
-        &folder.text("preprocessor_config.json")?,
-    );
-    let config = config.map_err(folder.refused())?;
+    settings: &GroundingDetectorConfig,
+) -> Result<GroundingDetector, Error> {
+    let canvas = CanvasConfig::from_json(&folder.text("preprocessor_config.json")?);
     let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
-    let (vision, embed) =
-        (folder.open("vision_encoder", loader)?, folder.open("embed_tokens", loader)?);
+    let engine = folder.open("model", loader)?;
+    let model = GroundingDino::new(engine, tokens, canvas.map_err(folder.refused())?);
+    GroundingDetector::new(model, settings.clone()).map_err(folder.refused())
+}
+
+/// The texts of `config.json`, `generation_config.json` and `preprocessor_config.json`.
+fn texts(folder: &Folder) -> Result<[String; 3], Error> {
+    Ok([
+        folder.text("config.json")?,
+        folder.text("generation_config.json")?,
+        folder.text("preprocessor_config.json")?,
+    ])
+}
+
+fn vlm(folder: &Folder, loader: &Loader, family: &Family) -> Result<Vlm, Error> {
+    let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
+    let vision = folder.open("vision_encoder", loader)?;
+    let embed = folder.open("embed_tokens", loader)?;
     let decoder = folder.open("decoder_model_merged", loader)?;
-    let vlm = config.model(tokens, vision, embed, decoder).map_err(folder.refused())?;
-    VlmAttributes::new(vlm, config, settings.clone()).map_err(folder.refused())
+    let made = match family {
+        Family::InternVl(config) => config.model(tokens, vision, embed, decoder),
+        Family::Qwen25Vl(config) => config.model(tokens, vision, embed, decoder),
+    };
+    made.map_err(folder.refused())
 }
 
 #[cfg(test)]

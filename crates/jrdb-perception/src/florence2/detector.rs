@@ -1,9 +1,6 @@
 //! People and things in a panorama by asking Florence-2 about wrapped tiles.
 
-use jrdb_types::detection::PERSON;
-use jrdb_types::{
-    Attributes, Detection, Detections, EntityId, FrameId, Image, ImageGeometry, PixelBox,
-};
+use jrdb_types::{Detections, FrameId, Image, ImageGeometry, PixelBox};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +8,7 @@ use super::said::{Said, said};
 use super::{Florence2, Task};
 use crate::detector::{Detector, PerceptionError, check_image};
 use crate::merge::{Candidate, MergeConfig, merge};
+use crate::numbered::{category, numbered};
 use crate::tiles::{Tile, tiles};
 
 /// How things are looked for.
@@ -62,21 +60,6 @@ pub struct FlorenceDetector {
     /// The id of `<loc_0>`.
     first_location: u32,
 }
-
-/// Words for people: what the model calls so is a person.
-const PEOPLE: [&str; 11] = [
-    "person",
-    "people",
-    "man",
-    "woman",
-    "boy",
-    "girl",
-    "child",
-    "human",
-    "pedestrian",
-    "men",
-    "women",
-];
 
 impl FlorenceDetector {
     /// A detector.
@@ -166,62 +149,4 @@ fn candidate(said: Said, tile: Tile) -> Option<Candidate> {
     let category = category(&said.label);
     let keep = in_tile.is_proper() && !category.is_empty();
     keep.then(|| Candidate { in_tile, tile, score: said.score, category })
-}
-
-/// `person` for every word for people, else the label in lower case without the rest of a tag.
-fn category(label: &str) -> String {
-    let words = label.rsplit('>').next().unwrap_or_default().trim().to_lowercase();
-    if PEOPLE.contains(&words.as_str()) { PERSON.into() } else { words }
-}
-
-/// Detections, people first, each kind numbered from left to right.
-fn numbered(mut found: Vec<(PixelBox, f64, String)>) -> Vec<Detection> {
-    found.sort_by(|a, b| {
-        let kinds = (a.2 != PERSON).cmp(&(b.2 != PERSON)).then(a.2.cmp(&b.2));
-        kinds.then(a.0.x.total_cmp(&b.0.x)).then(a.0.y.total_cmp(&b.0.y))
-    });
-    let mut number = 0;
-    let mut last = String::new();
-    let detection = |(bbox, score, category): (PixelBox, f64, String)| {
-        number = if category == last { number + 1 } else { 1 };
-        last.clone_from(&category);
-        Detection {
-            id: EntityId::new(&category, number),
-            category,
-            score,
-            bbox,
-            attributes: Attributes::default(),
-            interactions: Vec::new(),
-            group: None,
-            occlusion: None,
-            heading_rad: None,
-            box3d: None,
-        }
-    };
-    let mut detections: Vec<Detection> = found.into_iter().map(detection).collect();
-    detections.sort_by(|a, b| a.id.cmp(&b.id));
-    detections
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_for_people_are_persons_and_rests_of_tags_are_nothing() {
-        assert_eq!(
-            ["Man", "loc_4>person", "Chair ", "sep>"].map(category),
-            ["person", "person", "chair", ""]
-        );
-    }
-
-    #[test]
-    fn people_and_things_are_numbered_each_from_left_to_right() {
-        let at =
-            |x: f64, category: &str| (PixelBox::from([x, 0.0, 5.0, 5.0]), 0.5, category.into());
-        let found = numbered(vec![at(9.0, "chair"), at(30.0, "person"), at(10.0, "person")]);
-        let ids: Vec<String> = found.iter().map(|d| d.id.to_string()).collect();
-        assert_eq!(ids, ["chair:1", "person:1", "person:2"]);
-        assert_eq!(found[1].bbox.x, 10.0);
-    }
 }

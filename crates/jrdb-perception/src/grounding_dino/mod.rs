@@ -1,6 +1,7 @@
 //! Grounding DINO and its kin, MM-Grounding-DINO and LLMDet (Liu et al. 2023, Zhao et al. 2024, Fu et al. 2025): boxes for phrases, or for a whole
 //! sentence.
 
+mod detector;
 mod picture;
 
 use std::fmt;
@@ -8,6 +9,7 @@ use std::fmt;
 use jrdb_types::Image;
 use serde::{Deserialize, Serialize};
 
+pub use detector::{GroundingDetector, GroundingDetectorConfig};
 pub use picture::{Canvas, CanvasConfig};
 
 use crate::detector::{PerceptionError, check_image};

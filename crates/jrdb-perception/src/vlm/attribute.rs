@@ -3,7 +3,7 @@
 use jrdb_types::{Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
-use super::internvl::InternVlConfig;
+use super::family::Family;
 use super::question::{self, Question, Topic, questions};
 use super::score::{free_answer, probabilities, shared_beginning};
 use super::{Read, Vlm};
@@ -53,11 +53,11 @@ impl Default for AttributeConfig {
     }
 }
 
-/// Describes people with an InternVL.
+/// Describes people with a vision-language model.
 #[derive(Debug)]
 pub struct VlmAttributes {
     vlm: Vlm,
-    model: InternVlConfig,
+    family: Family,
     config: AttributeConfig,
     questions: Vec<Question>,
     end: u32,
@@ -68,11 +68,7 @@ impl VlmAttributes {
     ///
     /// # Errors
     /// [`PerceptionError::Token`] if the vocabulary has no end of a turn, [`PerceptionError::Setting`] if a setting is out of range.
-    pub fn new(
-        vlm: Vlm,
-        model: InternVlConfig,
-        config: AttributeConfig,
-    ) -> Result<Self, PerceptionError> {
+    pub fn new(vlm: Vlm, family: Family, config: AttributeConfig) -> Result<Self, PerceptionError> {
         let wrong =
             |setting, expected, found| PerceptionError::Setting { setting, expected, found };
         if !(0.0..=1.0).contains(&config.margin) {
@@ -82,7 +78,7 @@ impl VlmAttributes {
             return Err(wrong("temperature", "above 0", config.temperature));
         }
         let (questions, end) = (questions(&config.topics), vlm.tokens().id("<|im_end|>")?);
-        Ok(Self { vlm, model, config, questions, end })
+        Ok(Self { vlm, family, config, questions, end })
     }
 
     /// Name of the engine that runs the model.
@@ -95,10 +91,9 @@ impl VlmAttributes {
     #[must_use]
     pub fn config(&self) -> serde_json::Value {
         serde_json::json!({
-            "model": "internvl",
+            "model": self.family.name(),
             "engine": self.engine_name(),
             "settings": self.config,
-            "tiles": self.model.tiles,
         })
     }
 
@@ -114,14 +109,15 @@ impl VlmAttributes {
         if self.questions.is_empty() {
             return Ok(attributes);
         }
-        let pixels = self.model.prepare(picture);
-        let features = self.vlm.see(&[("pixel_values", &pixels)])?;
+        let shown = self.family.show(&self.vlm, picture)?;
         let prompt = |question: &Question| {
-            self.vlm.tokens().encode(&self.model.prompt(&question.text, pixels.shape()[0]))
+            self.vlm.tokens().encode(&self.family.prompt(&question.text, &shown))
         };
         let prompts = self.questions.iter().map(prompt).collect::<Result<Vec<_>, _>>()?;
         let shared = shared_beginning(&prompts);
-        let beginning = self.vlm.read(&prompts[0][..shared], &features, None)?;
+        let beginning = &prompts[0][..shared];
+        let places = self.family.places(beginning, &shown);
+        let beginning = self.vlm.read(beginning, &shown.features, places.as_deref())?;
         for (question, prompt) in self.questions.iter().zip(&prompts) {
             let read = self.vlm.read_on(&beginning, &prompt[shared..])?;
             question::put(&mut attributes, question.topic, &self.answer(read, question)?);

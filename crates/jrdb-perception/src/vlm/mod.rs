@@ -5,6 +5,7 @@
 
 mod attribute;
 mod causal;
+mod family;
 mod internvl;
 mod question;
 mod qwen25vl;
@@ -15,6 +16,7 @@ use std::fmt;
 
 pub use attribute::{AttributeConfig, Profile, VlmAttributes};
 pub use causal::{Cache, Place};
+pub use family::{Family, Shown};
 pub use internvl::{InternVlConfig, grid, tiles_of};
 pub use question::{Question, Topic, questions};
 pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
