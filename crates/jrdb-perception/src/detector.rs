@@ -69,6 +69,15 @@ pub enum PerceptionError {
         #[source]
         source: serde_json::Error,
     },
+    /// A line of an exchange is none.
+    #[error("expected an exchange with a request in line {number}")]
+    Line {
+        /// Its number, from 1.
+        number: usize,
+        /// What is wrong.
+        #[source]
+        source: serde_json::Error,
+    },
     /// A tokenizer cannot be read, or cannot spell a text.
     #[error("the tokenizer could not be used")]
     Tokens(#[source] Cause),

@@ -4,6 +4,7 @@ pub mod crop;
 pub mod decode;
 pub mod detector;
 pub mod engine;
+pub mod exchange;
 pub mod florence2;
 pub mod grounding_dino;
 pub mod merge;

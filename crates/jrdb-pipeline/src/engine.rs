@@ -6,6 +6,7 @@ use std::process::Command;
 use jrdb_perception::{Engine, OrtEngine, OrtLibrary, RtenEngine, Sessions};
 
 use crate::Error;
+use crate::profile::Profile;
 
 /// Which engine is wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -20,12 +21,14 @@ pub enum EngineChoice {
 }
 
 /// How to choose an engine.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Default)]
 pub struct EngineOptions {
     /// Which engine.
     pub choice: EngineChoice,
     /// ONNX Runtime's library, when the user names it.
     pub library: Option<PathBuf>,
+    /// Counts what graphs take, where somebody wants to know.
+    pub profile: Option<Profile>,
     /// Folder with models, which may hold `onnxruntime/libonnxruntime.so*`.
     pub models: PathBuf,
 }
@@ -38,6 +41,7 @@ const LARGE: u64 = 64 << 20;
 pub struct Loader {
     library: Option<OrtLibrary>,
     note: String,
+    profile: Option<Profile>,
 }
 
 impl Loader {
@@ -54,7 +58,8 @@ impl Loader {
             || "engine: rten (pure Rust, CPU)".into(),
             |(_, path)| format!("engine: ONNX Runtime on the CPU, {}", path.display()),
         );
-        Ok(Self { library: found.map(|(library, _)| library), note })
+        let library = found.map(|(library, _)| library);
+        Ok(Self { library, note, profile: options.profile.clone() })
     }
 
     /// One line on which engine it is.
@@ -68,6 +73,14 @@ impl Loader {
     /// # Errors
     /// When the file is missing or no graph that the engine knows.
     pub fn open(&self, path: &Path) -> Result<Box<dyn Engine>, Error> {
+        let engine = self.load(path)?;
+        Ok(match &self.profile {
+            Some(profile) => profile.watch(engine, path),
+            None => engine,
+        })
+    }
+
+    fn load(&self, path: &Path) -> Result<Box<dyn Engine>, Error> {
         let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
         let size =
             std::fs::metadata(path).map_err(|source| Error::file("read", path, source))?.len();
@@ -99,14 +112,24 @@ pub fn open_engine(
     let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
     if let Some(library) = find_library(options)? {
         let (library, found) = library;
-        let engine = OrtEngine::from_onnx(&library, model, 1).map_err(wrap)?;
-        return Ok((Box::new(engine), format!("engine: ONNX Runtime, {}", found.display())));
+        let engine = Box::new(OrtEngine::from_onnx(&library, model, 1).map_err(wrap)?);
+        return Ok((
+            watched(engine, path, options),
+            format!("engine: ONNX Runtime, {}", found.display()),
+        ));
     }
     if options.choice == EngineChoice::Ort {
         return Err(no_library());
     }
-    let engine = RtenEngine::from_onnx(model).map_err(wrap)?;
-    Ok((Box::new(engine), "engine: rten (pure Rust, CPU)".into()))
+    let engine = Box::new(RtenEngine::from_onnx(model).map_err(wrap)?);
+    Ok((watched(engine, path, options), "engine: rten (pure Rust, CPU)".into()))
+}
+
+fn watched(engine: Box<dyn Engine>, path: &Path, options: &EngineOptions) -> Box<dyn Engine> {
+    match &options.profile {
+        Some(profile) => profile.watch(engine, path),
+        None => engine,
+    }
 }
 
 fn no_library() -> Error {

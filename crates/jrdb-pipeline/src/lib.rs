@@ -8,6 +8,7 @@ pub mod frame;
 pub mod motion;
 pub mod output;
 pub mod perceive;
+pub mod profile;
 pub mod query;
 mod recording;
 pub mod report;

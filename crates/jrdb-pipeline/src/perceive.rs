@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use jrdb_dataset::SequenceLabels;
+use jrdb_perception::exchange::{Exchange, play};
 use jrdb_perception::{AttributeModel, Detector, SsdLite, SsdLiteConfig};
 use jrdb_types::detection::PERSON;
 use jrdb_types::issue::IssueKind;
@@ -30,6 +31,8 @@ pub enum PerceptionSource {
     File(PathBuf),
     /// The SSDLite person detector on wrapped tiles.
     SsdLite,
+    /// A file with the replies of models that ran before or elsewhere.
+    Replay(PathBuf),
     /// The backbone of this name.
     Backbone(String),
 }
@@ -42,9 +45,10 @@ impl FromStr for PerceptionSource {
             None if text == "labels" => Ok(Self::Labels),
             None if text == "ssdlite" => Ok(Self::SsdLite),
             Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
+            Some(("replay", path)) if !path.is_empty() => Ok(Self::Replay(path.into())),
             None if is_name(text) => Ok(Self::Backbone(text.into())),
             _ => Err(format!(
-                "expected labels, file:PATH, ssdlite or the name of a backbone ({}), found {text:?}",
+                "expected labels, file:PATH, replay:PATH, ssdlite or the name of a backbone ({}), found {text:?}",
                 backbone::built_in().join(", ")
             )),
         }
@@ -67,6 +71,7 @@ pub struct Perceiver {
 enum Kind {
     Labels(BTreeMap<(PathBuf, String), Result<SequenceLabels, String>>),
     File(BTreeMap<String, BTreeMap<u32, Detections>>),
+    Replay(Vec<Exchange>),
     Model(Box<dyn Detector + Send + Sync>, Option<Box<dyn AttributeModel + Send + Sync>>),
 }
 
@@ -85,6 +90,7 @@ impl Perceiver {
             PerceptionSource::Labels => Ok(Self::labels(frames)),
             PerceptionSource::File(path) => Self::file(path, frames),
             PerceptionSource::SsdLite => Self::ssdlite(models, engine),
+            PerceptionSource::Replay(path) => Self::replay(path),
             PerceptionSource::Backbone(name) => Self::backbone(name, models, engine),
         }
     }
@@ -124,6 +130,15 @@ impl Perceiver {
         let detector = SsdLite::new(engine, SsdLiteConfig::default());
         let config = serde_json::json!({ "perception": "ssdlite", "ssdlite": detector.config() });
         Ok(Self { kind: Kind::Model(Box::new(detector), None), config, notes: vec![note] })
+    }
+
+    fn replay(path: &Path) -> Result<Self, Error> {
+        let text =
+            std::fs::read_to_string(path).map_err(|source| Error::file("read", path, source))?;
+        let refused = |source| Error::Model { path: path.into(), source: Box::new(source) };
+        let kind = Kind::Replay(Exchange::read_lines(&text).map_err(refused)?);
+        let config = serde_json::json!({ "perception": "replay" });
+        Ok(Self { kind, config, notes: Vec::new() })
     }
 
     fn backbone(name: &str, models: &Path, options: &EngineOptions) -> Result<Self, Error> {
@@ -188,6 +203,7 @@ impl Perceiver {
                     .cloned()
                     .unwrap_or_else(|| nothing(format!("the file has nothing for {}", frame.id))))
             }
+            Kind::Replay(lines) => Ok(play(lines, &frame.id, geometry)),
             Kind::Model(detector, attributes) => match image {
                 Some(image) => {
                     let mut detections = detector.detect(image, &frame.id)?;

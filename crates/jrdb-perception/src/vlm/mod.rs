@@ -19,6 +19,7 @@ pub use causal::{Cache, Place};
 pub use family::{Family, Shown};
 pub use internvl::{InternVlConfig, grid, tiles_of};
 pub use question::{Question, Topic, questions};
+pub(crate) use question::{believed, put};
 pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
 pub use reply::label_in;
 pub use score::LabelScore;

@@ -106,7 +106,7 @@ fn spellings(topic: Topic) -> &'static [&'static [&'static str]] {
 }
 
 /// Puts what is believed about a topic into a person's attributes. `probabilities` are in the order of the vocabulary.
-pub(super) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f64]) {
+pub(crate) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f64]) {
     match topic {
         Topic::Gender => attributes.gender = belief(Gender::ALL, probabilities),
         Topic::Age => attributes.age = belief(Age::ALL, probabilities),
@@ -114,6 +114,21 @@ pub(super) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f6
         Topic::Action => attributes.action = belief(Action::ALL, probabilities),
         Topic::Facing => attributes.facing = belief(Facing::ALL, probabilities),
     }
+}
+
+/// What is believed about a topic, in the order of its vocabulary.
+pub(crate) fn believed(attributes: &Attributes, topic: Topic) -> Vec<f64> {
+    match topic {
+        Topic::Gender => of(Gender::ALL, &attributes.gender),
+        Topic::Age => of(Age::ALL, &attributes.age),
+        Topic::Race => of(Race::ALL, &attributes.race),
+        Topic::Action => of(Action::ALL, &attributes.action),
+        Topic::Facing => of(Facing::ALL, &attributes.facing),
+    }
+}
+
+fn of<T: Ord + Copy>(all: &[T], belief: &Belief<T>) -> Vec<f64> {
+    all.iter().map(|value| belief.probability(*value)).collect()
 }
 
 /// Beliefs are told to this many parts of one, so that the rounding of different engines does not show.

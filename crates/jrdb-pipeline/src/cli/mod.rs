@@ -1,6 +1,7 @@
 //! The command line: `run` does everything, the other commands do one stage each.
 
 mod calib;
+mod exchange;
 mod models;
 mod question;
 mod rig;
@@ -45,6 +46,8 @@ enum Command {
     Calib(calib::CalibArgs),
     /// Other calibration files as a rig file: JRDB, KITTI, nuScenes
     Rig(rig::RigArgs),
+    /// Questions for models that run elsewhere, and a recording of those that run here
+    Exchange(exchange::ExchangeArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
     /// Model files: which are known, which are there
@@ -83,6 +86,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Synth(args) => synth::synth(&args),
         Command::Calib(args) => calib::calib(&args),
         Command::Rig(args) => rig::rig(&args),
+        Command::Exchange(args) => exchange::exchange(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),
     }

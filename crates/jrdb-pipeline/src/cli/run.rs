@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
 use jrdb_pipeline::perceive::PerceptionSource;
+use jrdb_pipeline::profile::Profile;
 use jrdb_pipeline::report::{Detail, Telling};
 use jrdb_pipeline::source::{RigChoice, RobotOptions, Source};
 use jrdb_pipeline::{Error, PipelineConfig, RunOptions, read_query, report, with_causes};
@@ -87,7 +88,8 @@ fn frame_range(text: &str) -> Result<Range<u32>, String> {
 /// Where detections come from.
 #[derive(Debug, Args)]
 pub(crate) struct PerceptionArgs {
-    /// labels, file:PATH (our detections or COCO results), or ssdlite
+    /// labels, file:PATH (our detections or COCO results), replay:PATH (an exchange), ssdlite, or a backbone: demo, florence2-internvl, paper, or NAME for NAME.json in
+    /// the models folder
     #[arg(long, default_value = "labels", value_name = "SOURCE")]
     pub(crate) perception: PerceptionSource,
     /// Folder with model files
@@ -99,12 +101,16 @@ pub(crate) struct PerceptionArgs {
     /// ONNX Runtime's shared library
     #[arg(long, value_name = "PATH")]
     onnxruntime: Option<PathBuf>,
+    /// Tell on stderr how long every graph of a model took, and the peak memory
+    #[arg(long)]
+    profile: bool,
 }
 
 impl PerceptionArgs {
     pub(crate) fn engine(&self) -> EngineOptions {
         let (library, models) = (self.onnxruntime.clone(), self.models.clone());
-        EngineOptions { choice: self.engine, library, models }
+        let profile = self.profile.then(Profile::default);
+        EngineOptions { choice: self.engine, library, profile, models }
     }
 }
 
@@ -244,6 +250,13 @@ impl RunArgs {
     }
 }
 
+/// Says on stderr where the models' time went, if that was asked for.
+pub(crate) fn tell_profile(engine: &EngineOptions) {
+    if let Some(profile) = &engine.profile {
+        eprint!("{}", profile.table());
+    }
+}
+
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let options = args.options()?;
     // Drawn on stderr, and only when that is a terminal.
@@ -252,6 +265,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let progress = ProgressBar::new_spinner().with_style(style);
     let result = jrdb_pipeline::run(&options, &|| progress.inc(1))?;
     progress.finish_and_clear();
+    tell_profile(&options.engine);
     match args.format {
         Format::Text => say(&report::text(&result, &args.telling()))?,
         Format::Json => say(&report::json(&result, &options.config))?,

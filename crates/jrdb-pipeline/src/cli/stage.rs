@@ -69,6 +69,7 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
     }
     let [frame] = frames;
     let detections = perceiver.detect(&frame, &frame.image())?;
+    super::run::tell_profile(&options.2);
     let lines = detections.detections.iter().map(|d| {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)

@@ -1,0 +1,296 @@
+//! Perception by anybody: what is asked of a model, and what it replied, one JSON object a line.
+//!
+//! A line holds a request and, once there is one, its reply. Lines without reply go out to whatever can answer them: a script, a server, a model that
+//! runs nowhere here. Lines with replies come back, and play as a recording of any model does.
+
+use std::collections::BTreeMap;
+
+use jrdb_types::detection::PERSON;
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{Attributes, Detection, Detections, FrameId, ImageGeometry, Issue, PixelBox};
+use serde::{Deserialize, Serialize};
+
+use crate::detector::PerceptionError;
+use crate::numbered::{category, numbered};
+use crate::vlm::{Topic, believed, json_boxes, label_in, put, questions};
+
+/// One line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Exchange {
+    /// What is asked.
+    pub request: Request,
+    /// What was answered.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reply: Option<Reply>,
+}
+
+/// A question about a picture.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// The frame.
+    pub frame: FrameId,
+    /// The picture to look at, from the folder of the exchange: the panorama, or the part in `box`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub image: Option<String>,
+    /// The part of the panorama in question, pixels; the whole of it if absent. What is in a box is to be described; in the whole,
+    /// things are to be found.
+    #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
+    pub bbox: Option<PixelBox>,
+    /// Which attribute of the person in the box.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub topic: Option<Topic>,
+    /// The question in words.
+    pub prompt: String,
+    /// The words to choose from.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub labels: Vec<String>,
+}
+
+/// An answer; one of its fields is enough.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Reply {
+    /// In words: one of the labels, perhaps in a sentence; or boxes in JSON, as vision-language models write them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub text: Option<String>,
+    /// Probabilities of the labels.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probabilities: Option<BTreeMap<String, f64>>,
+    /// What was found, pixels of the panorama.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub found: Option<Vec<Found>>,
+}
+
+/// A thing that was found.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Found {
+    /// What it is; every word for a person is `person`.
+    pub label: String,
+    /// Where, pixels of the panorama.
+    #[serde(rename = "box")]
+    pub bbox: PixelBox,
+    /// Confidence in `[0, 1]`.
+    #[serde(default = "certain")]
+    pub score: f64,
+}
+
+fn certain() -> f64 {
+    1.0
+}
+
+/// What is asked of a model that shall find everything.
+pub const FIND: &str = "Locate every person and every object in the image. Answer in JSON: [{\"label\": name, \"bbox_2d\": [x0, y0, x1, y1]}].";
+
+impl Exchange {
+    /// Reads the lines of a file. Empty lines are skipped.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Line`] with the number of the first line that is no exchange.
+    pub fn read_lines(text: &str) -> Result<Vec<Self>, PerceptionError> {
+        let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+        let read = |(number, line): (usize, &str)| {
+            serde_json::from_str(line).map_err(|source| PerceptionError::Line { number, source })
+        };
+        lines.map(read).collect()
+    }
+
+    /// What a model would have to be asked to give these detections, with their contents as replies: a recording. People's attributes on
+    /// `topics` that are not known are questions without a reply.
+    #[must_use]
+    pub fn record(detections: &Detections, topics: &[Topic]) -> Vec<Self> {
+        let found = |detection: &Detection| Found {
+            label: detection.category.clone(),
+            bbox: detection.bbox,
+            score: detection.score,
+        };
+        let find = Self {
+            request: Request {
+                frame: detections.frame.clone(),
+                image: None,
+                bbox: None,
+                topic: None,
+                prompt: FIND.into(),
+                labels: Vec::new(),
+            },
+            reply: Some(Reply {
+                found: Some(detections.detections.iter().map(found).collect()),
+                ..Reply::default()
+            }),
+        };
+        let people = detections.detections.iter().filter(|one| one.category == PERSON);
+        let asked = people.flat_map(|person| describe(&detections.frame, person, topics));
+        std::iter::once(find).chain(asked).collect()
+    }
+}
+
+fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
+    let ask = |question: crate::vlm::Question| {
+        let labels: Vec<String> = question.labels.iter().map(|all| all[0].clone()).collect();
+        let known = believed(&person.attributes, question.topic);
+        let probabilities: BTreeMap<String, f64> =
+            labels.iter().cloned().zip(known).filter(|(_, p)| *p > 0.0).collect();
+        let reply = Reply { probabilities: Some(probabilities), ..Reply::default() };
+        Exchange {
+            reply: reply.probabilities.as_ref().is_some_and(|all| !all.is_empty()).then_some(reply),
+            request: Request {
+                frame: frame.clone(),
+                image: None,
+                bbox: Some(person.bbox),
+                topic: Some(question.topic),
+                prompt: question.text,
+                labels,
+            },
+        }
+    };
+    questions(topics).into_iter().map(ask).collect()
+}
+
+/// What was replied about one frame, as detections. A reply that cannot be used is an issue; so is a person about whom nothing was replied.
+///
+/// Without a line that finds things, the boxes that were asked about are people.
+#[must_use]
+pub fn play(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
+    let lines: Vec<&Exchange> = lines.iter().filter(|line| line.request.frame == *frame).collect();
+    let mut issues = Vec::new();
+    let mut found: Vec<(PixelBox, f64, String)> = Vec::new();
+    let searches: Vec<_> = lines.iter().filter(|line| line.request.bbox.is_none()).collect();
+    for line in &searches {
+        match things(line.reply.as_ref()) {
+            Ok(things) => found.extend(things),
+            Err(message) => issues.push(Issue::new(IssueKind::MissingInput, message)),
+        }
+    }
+    if searches.is_empty() {
+        for bbox in lines.iter().filter_map(|line| line.request.bbox) {
+            if !found.iter().any(|one| one.0 == bbox) {
+                found.push((bbox, 1.0, PERSON.into()));
+            }
+        }
+    }
+    found.retain(|one| one.0.is_proper());
+    let mut detections = numbered(found);
+    for detection in &mut detections {
+        let about = lines.iter().filter(|line| line.request.bbox == Some(detection.bbox));
+        for line in about {
+            let Some(topic) = line.request.topic else { continue };
+            if let Err(message) = told(&mut detection.attributes, topic, line) {
+                issues.push(Issue::about(IssueKind::NotDescribed, &detection.id, message));
+            }
+        }
+    }
+    Detections { frame: frame.clone(), image, detections, issues }
+}
+
+/// What a reply says is there.
+fn things(reply: Option<&Reply>) -> Result<Vec<(PixelBox, f64, String)>, String> {
+    let reply = reply.ok_or("nobody has replied what is in the picture")?;
+    if let Some(found) = &reply.found {
+        let score =
+            |one: &Found| if one.score.is_finite() { one.score.clamp(0.0, 1.0) } else { 0.0 };
+        return Ok(found.iter().map(|one| (one.bbox, score(one), category(&one.label))).collect());
+    }
+    let text = reply.text.as_deref().ok_or("expected found or text in the reply, found neither")?;
+    let boxes = json_boxes(text, [1.0, 1.0]).map_err(|error| format!("{error}: {text:?}"))?;
+    let thing = |one: crate::vlm::JsonBox| {
+        let [x0, y0, x1, y1] = one.corners;
+        let label = if one.label.is_empty() { PERSON } else { &one.label };
+        (PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 }, 1.0, category(label))
+    };
+    Ok(boxes.into_iter().map(thing).collect())
+}
+
+/// Puts what a reply says of a topic into a person's attributes.
+fn told(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
+    let Some(question) = questions(&[topic]).pop() else { return Ok(()) };
+    let reply = line
+        .reply
+        .as_ref()
+        .ok_or_else(|| format!("nobody has replied to {:?}", line.request.prompt))?;
+    if let Some(probabilities) = &reply.probabilities {
+        let of = |spellings: &Vec<String>| -> f64 {
+            spellings
+                .iter()
+                .filter_map(|one| probabilities.get(one))
+                .filter(|p| p.is_finite())
+                .sum()
+        };
+        let all: Vec<f64> = question.labels.iter().map(of).map(|p| p.clamp(0.0, 1.0)).collect();
+        put(attributes, topic, &all);
+        return Ok(());
+    }
+    let text = reply
+        .text
+        .as_deref()
+        .ok_or("expected probabilities or text in the reply, found neither")?;
+    let index = label_in(text, &question.labels).ok_or_else(|| {
+        format!("expected one of {}, found {text:?}", line.request.labels.join(", "))
+    })?;
+    let all: Vec<f64> =
+        (0..question.labels.len()).map(|at| if at == index { 1.0 } else { 0.0 }).collect();
+    put(attributes, topic, &all);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jrdb_types::vocab::{Age, Gender};
+    use jrdb_types::{Belief, EntityId};
+
+    const IMAGE: ImageGeometry = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
+
+    fn detections() -> Detections {
+        let mut found = numbered(vec![
+            (PixelBox::from([10.0, 5.0, 8.0, 20.0]), 0.9, "person".into()),
+            (PixelBox::from([95.0, 5.0, 9.0, 20.0]), 0.8, "chair".into()),
+        ]);
+        let person = found.iter_mut().find(|one| one.category == PERSON).unwrap();
+        person.attributes.age = Belief([(Age::Young, 0.75), (Age::Adolescent, 0.25)].into());
+        Detections {
+            frame: FrameId::default(),
+            image: IMAGE,
+            detections: found,
+            issues: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_recording_plays_what_was_recorded() {
+        let lines = Exchange::record(&detections(), &[Topic::Age]);
+        let text: Vec<String> =
+            lines.iter().map(|line| serde_json::to_string(line).unwrap()).collect();
+        let read = Exchange::read_lines(&text.join("\n")).unwrap();
+        assert_eq!(read, lines);
+        assert_eq!(play(&read, &FrameId::default(), IMAGE), detections());
+    }
+
+    #[test]
+    fn what_is_not_known_is_asked_and_may_be_answered_in_words() {
+        let mut lines = Exchange::record(&detections(), &[Topic::Gender]);
+        assert_eq!(lines[1].reply, None);
+        let silent = play(&lines, &FrameId::default(), IMAGE);
+        assert_eq!(silent.issues[0].subject, Some(EntityId::new("person", 1)));
+        let say = |text: &str| Some(Reply { text: Some(text.into()), ..Reply::default() });
+        lines[1].reply = say("She is a woman.");
+        let told = play(&lines, &FrameId::default(), IMAGE);
+        let person = told.detections.iter().find(|one| one.category == PERSON).unwrap();
+        assert_eq!(person.attributes.gender.best(), Some(Gender::Female));
+        lines[1].reply = say("I cannot say.");
+        let unclear = play(&lines, &FrameId::default(), IMAGE);
+        assert!(unclear.issues[0].message.contains("expected one of male, female"));
+    }
+
+    #[test]
+    fn boxes_in_words_are_people_and_broken_lines_are_told_by_number() {
+        let text = "\n{\"request\": {\"frame\": {\"sequence\": \"\", \"frame\": 0}, \"prompt\": \"?\"}, \
+             \"reply\": {\"text\": \"[{\\\"bbox_2d\\\": [1, 2, 5, 20]}]\"}}";
+        let read = Exchange::read_lines(text).unwrap();
+        let played = play(&read, &FrameId::default(), IMAGE);
+        assert_eq!(played.detections[0].bbox, PixelBox::from([1.0, 2.0, 4.0, 18.0]));
+        let error = Exchange::read_lines("{}\n").unwrap_err().to_string();
+        assert!(error.contains("line 1"), "{error}");
+    }
+}
