@@ -5,6 +5,7 @@ pub mod engine;
 pub mod nms;
 pub mod resize;
 pub mod ssdlite;
+pub mod tensor;
 pub mod tiles;
 
 pub use detector::{AttributeModel, Detector, PerceptionError};
