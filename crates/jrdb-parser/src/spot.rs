@@ -375,7 +375,7 @@ impl Parser<'_> {
             let pattern = Pattern::of(subject.category.clone());
             return Anchor::Things(vec![Partner { pattern, ..Partner::default() }]);
         }
-        if !self.has_pronouns && self.is_robot_alone() {
+        if !self.has_pronouns && self.take_robot_alone() {
             return Anchor::Robot;
         }
         let mut partners = self.partners_of(subject);
@@ -387,19 +387,6 @@ impl Parser<'_> {
             }
             _ => Anchor::Things(partners),
         }
-    }
-}
-
-impl Parser<'_> {
-    /// Steps over the robot where nobody is named with it: the most common anchor.
-    fn is_robot_alone(&mut self) -> bool {
-        const JOINTS: Roles = Roles::of(&[Role::And, Role::Or]);
-        let mark = self.mark();
-        let found = self.robot().is_some() && !self.roles().has_any(JOINTS);
-        if !found {
-            self.reset(mark);
-        }
-        found
     }
 }
 
