@@ -20,10 +20,18 @@ const INLINE_WORDS: usize = 4;
 /// assert_eq!(even.count(), 50);
 /// assert!(even.contains(4) && !even.contains(5) && !even.contains(1000));
 /// ```
-#[derive(Clone, PartialEq, Eq, Default)]
+#[derive(PartialEq, Eq, Default)]
 pub struct BitSet {
     words: SmallVec<[u64; INLINE_WORDS]>,
     size: usize,
+}
+
+impl Clone for BitSet {
+    /// Copies the words at once: the derived one copies them one by one.
+    #[inline]
+    fn clone(&self) -> Self {
+        Self { words: SmallVec::from_slice(&self.words), size: self.size }
+    }
 }
 
 impl BitSet {
@@ -97,6 +105,7 @@ impl BitSet {
     }
 
     /// Whether none is in.
+    #[inline]
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.words.iter().all(|&word| word == 0)
@@ -128,6 +137,7 @@ impl BitSet {
     }
 
     /// Keeps those for which something holds.
+    #[inline]
     pub fn retain(&mut self, mut holds: impl FnMut(usize) -> bool) {
         for (place, word) in self.words.iter_mut().enumerate() {
             let mut rest = *word;

@@ -55,6 +55,17 @@ impl Parser<'_> {
         Some(Pattern::of(Category::Robot))
     }
 
+    /// Steps over the robot where nobody is named with it: the most common anchor.
+    pub(crate) fn take_robot_alone(&mut self) -> bool {
+        const JOINTS: Roles = Roles::of(&[Role::And, Role::Or]);
+        let mark = self.mark();
+        let found = self.robot().is_some() && !self.roles().has_any(JOINTS);
+        if !found {
+            self.reset(mark);
+        }
+        found
+    }
+
     /// What "him" means: the last thing spoken of.
     pub(crate) fn pronoun(&mut self) -> Option<Pattern> {
         let at = self.at;

@@ -75,7 +75,9 @@ pub fn parse(text: &str) -> Query {
 /// ```
 #[must_use]
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
-    Parser::new(text, config).question()
+    let (mut tokens, mut issues) = (words::Tokens::new(), Vec::new());
+    words::tokenize(text, &mut tokens, &mut issues);
+    Parser::new(text, config, &tokens, issues).question()
 }
 
 /// Whether anything of the text was understood: some word of it says what is asked or of what. Not so for an empty text,

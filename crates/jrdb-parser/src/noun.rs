@@ -40,6 +40,21 @@ impl Thing {
 /// Words before a noun that say nothing of the thing.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::Filler]);
 
+/// Words before the adjectives.
+const DETERMINERS: Roles = Roles::of(&[
+    Role::The,
+    Role::A,
+    Role::Filler,
+    Role::All,
+    Role::Number,
+    Role::My,
+    Role::His,
+    Role::Limit,
+    Role::Several,
+    Role::No,
+    Role::Between,
+]);
+
 /// What may stand between a word and the noun it belongs to.
 const BEFORE_NOUN: Roles = Roles::of(&[
     Role::Says,
@@ -87,20 +102,26 @@ const LOOK_MAX: usize = 8;
 impl Parser<'_> {
     /// Reads a noun phrase without what is said behind the noun.
     pub(crate) fn thing(&mut self) -> Option<Thing> {
+        let mut thing = Thing::default();
+        self.read_thing(&mut thing).then_some(thing)
+    }
+
+    /// Reads a noun phrase into a new thing; false, and the thing is of no use, when there is none.
+    pub(crate) fn read_thing(&mut self, thing: &mut Thing) -> bool {
         if !self.roles().has_any(NOUN_START) {
-            return None;
+            return false;
         }
         let mark = self.mark();
-        let mut thing = Thing { start: self.at, ..Thing::default() };
-        self.determiners(&mut thing);
-        let described = self.adjectives(&mut thing);
-        if self.noun(&mut thing) || described {
-            self.behind_noun(&mut thing);
-            self.owned(&mut thing);
-            return Some(thing);
+        thing.start = self.at;
+        self.determiners(thing);
+        let is_described = self.adjectives(thing);
+        if self.noun(thing) || is_described {
+            self.behind_noun(thing);
+            self.owned(thing);
+            return true;
         }
         self.reset(mark);
-        None
+        false
     }
 
     /// "'s bag" behind "the woman": the bag that is with her.
@@ -115,7 +136,7 @@ impl Parser<'_> {
     }
 
     fn determiners(&mut self, thing: &mut Thing) {
-        loop {
+        while self.roles().has_any(DETERMINERS) {
             if thing.quantity.is_none() {
                 thing.quantity = self.quantity();
             }
@@ -204,27 +225,25 @@ impl Parser<'_> {
             is_or = Some(self.is(Role::Or) || is_or == Some(true));
             self.at += 1;
         }
+        is_or?;
         let says_plainly = |at: usize| {
             let is_before_noun =
                 || self.is_noun_ahead(at + 1) || self.is_joint_of_adjectives(at + 1);
             self.is_at(at, Role::Says) && (!self.is_at(at, Role::Action) || is_before_noun())
         };
         let fits = says_plainly(self.at) || self.is(Role::Group) || self.is_noun_as_adjective();
-        if is_or.is_some() && !fits {
-            // Whatever follows the joint is no adjective: the caller steps back.
-            return None;
-        }
-        is_or
+        // Whatever else follows the joint is no adjective: the caller steps back.
+        is_or.filter(|_| fits)
     }
 
     /// "child" of "child, White and male person".
     fn is_noun_as_adjective(&self) -> bool {
         let entry = self.entry();
         let is_age = |c: &Condition| matches!(c, Condition::Age(_));
-        if entry.category != Some(Category::Person) || !entry.says.iter().all(is_age) {
+        if entry.says.is_empty() || entry.roles.has(Role::Plural) {
             return false;
         }
-        if entry.says.is_empty() || entry.roles.has(Role::Plural) {
+        if entry.category != Some(Category::Person) || !entry.says.iter().all(is_age) {
             return false;
         }
         let joints = Roles::of(&[Role::Comma, Role::And, Role::Or]);

@@ -7,7 +7,7 @@ use jrdb_types::{Issue, Pattern, Span};
 use crate::ParserConfig;
 use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
 use crate::suggest::{Suggestion, suggest};
-use crate::words::{SUGGESTIONS_MAX, Token, tokenize};
+use crate::words::{SUGGESTIONS_MAX, Token, Tokens, tokenize};
 
 /// How deep "left of a man who is left of a man who …" may go, two for each thing inside another: well within what the
 /// notation takes.
@@ -23,7 +23,7 @@ const QUOTED_MAX: usize = 60;
 pub(crate) struct Parser<'t> {
     pub(crate) text: &'t str,
     pub(crate) config: &'t ParserConfig,
-    pub(crate) tokens: Vec<Token>,
+    pub(crate) tokens: &'t [Token],
     pub(crate) at: usize,
     pub(crate) depth: usize,
     pub(crate) issues: Vec<Issue>,
@@ -57,10 +57,14 @@ pub(crate) struct Mark {
 }
 
 impl<'t> Parser<'t> {
-    pub(crate) fn new(text: &'t str, config: &'t ParserConfig) -> Self {
-        let mut issues = Vec::new();
-        let tokens = tokenize(text, &mut issues);
-        let has_pronouns = has_pronouns(&tokens);
+    /// At the start of a text with its phrases and what was to be said of them.
+    pub(crate) fn new(
+        text: &'t str,
+        config: &'t ParserConfig,
+        tokens: &'t [Token],
+        issues: Vec<Issue>,
+    ) -> Self {
+        let has_pronouns = has_pronouns(tokens);
         Self {
             text,
             config,
@@ -127,6 +131,11 @@ impl<'t> Parser<'t> {
             at += 1;
         }
         at
+    }
+
+    /// Forgets the last word.
+    pub(crate) fn drop_last(&mut self) {
+        self.tokens = self.tokens.split_last().map_or(&[], |(_, others)| others);
     }
 
     pub(crate) fn mark(&self) -> Mark {
@@ -267,12 +276,19 @@ pub(crate) fn has_known_word(text: &str) -> bool {
         Role::Who,
         Role::Which,
     ]);
-    tokenize(text, &mut Vec::new()).iter().any(|token| token.roles.has_any(TELLING))
+    let mut tokens = Tokens::new();
+    tokenize(text, &mut tokens, &mut Vec::new());
+    tokens.iter().any(|token| token.roles.has_any(TELLING))
 }
 
 /// Whether there is a pronoun other than "his" of the benchmark's "his\her", which is the subject's.
 fn has_pronouns(tokens: &[Token]) -> bool {
-    let is_pronoun = |token: &Token| token.roles.has_any(Roles::of(&[Role::His, Role::Him]));
+    const PRONOUNS: Roles = Roles::of(&[Role::His, Role::Him]);
+    let all = tokens.iter().fold(Roles::default(), |all, token| all.and(token.roles));
+    if !all.has_any(PRONOUNS) {
+        return false;
+    }
+    let is_pronoun = |token: &Token| token.roles.has_any(PRONOUNS);
     let is_slash = |at: usize| tokens.get(at).is_some_and(|t| t.roles.has(Role::Slash));
     (0..tokens.len())
         .any(|at| is_pronoun(&tokens[at]) && !is_slash(at + 1) && !is_slash(at.wrapping_sub(1)))

@@ -9,6 +9,7 @@ use crate::OfPerson;
 use crate::coordination::{Partner, remembered};
 use crate::joined::any_of;
 use crate::lexicon::{Role, Roles};
+use crate::noun::Thing;
 use crate::parser::Parser;
 use crate::predicate::Behind;
 use crate::spot::{Anchor, Spot, is_robot};
@@ -17,19 +18,22 @@ impl Parser<'_> {
     /// "close to me", "to the left of a child", "at a far distance".
     pub(crate) fn placed(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
         let (mark, start) = (self.mark(), self.at);
-        let Some((spot, anchor)) = self.spot(pattern) else { return false };
-        let is_unsaid = matches!(anchor, Anchor::Unsaid);
-        if behind == Behind::Partner && is_unsaid && spot.places().all(is_distance) {
+        let mut spot = Spot::default();
+        if !self.spot(pattern, &mut spot) {
+            return false;
+        }
+        let is_unsaid = matches!(spot.anchor, Anchor::Unsaid);
+        if behind == Behind::Partner && is_unsaid && spot.places.iter().all(is_distance) {
             // "left of the woman at a far distance": how far from her, not she from the robot.
             self.reset(mark);
             return false;
         }
-        if matches!(anchor, Anchor::His) && self.is_at_his(pattern, start) {
+        if matches!(spot.anchor, Anchor::His) && self.is_at_his(pattern, start) {
             let Some(Condition::Related(last)) = pattern.conditions.last_mut() else { return true };
             last.kinds.extend(kinds(&spot, Viewpoint::Subject));
             return true;
         }
-        self.put_spot(spot, anchor, pattern, start);
+        self.put_spot(&mut spot, pattern, start);
         true
     }
 
@@ -40,14 +44,14 @@ impl Parser<'_> {
         is_direct && matches!(pattern.conditions.last(), Some(Condition::Related(_)))
     }
 
-    fn put_spot(&mut self, mut spot: Spot, anchor: Anchor, pattern: &mut Pattern, start: usize) {
-        match anchor {
-            Anchor::Unsaid | Anchor::Robot => from_robot(&spot, pattern),
-            Anchor::Own(owner) if owner.category == Category::Robot => from_robot(&spot, pattern),
-            Anchor::Own(owner) => self.put_own(&mut spot, owner, pattern),
+    fn put_spot(&mut self, spot: &mut Spot, pattern: &mut Pattern, start: usize) {
+        match std::mem::take(&mut spot.anchor) {
+            Anchor::Unsaid | Anchor::Robot => from_robot(spot, pattern),
+            Anchor::Own(owner) if owner.category == Category::Robot => from_robot(spot, pattern),
+            Anchor::Own(owner) => self.put_own(spot, owner, pattern),
             Anchor::His => {
                 let owner = self.owner_of_his(start);
-                self.put_own(&mut spot, owner, pattern);
+                self.put_own(spot, owner, pattern);
             }
             Anchor::Him => {
                 let partner = self.owner_of_his(start);
@@ -77,11 +81,11 @@ impl Parser<'_> {
         push_related(pattern, kinds(spot, viewpoint), owner, Quantity::SOME);
     }
 
-    fn put_beside(&mut self, mut spot: Spot, partners: Vec<Partner>, pattern: &mut Pattern) {
+    fn put_beside(&mut self, spot: &mut Spot, partners: Vec<Partner>, pattern: &mut Pattern) {
         let mut is_told = false;
         for partner in partners {
             if is_robot(&partner) {
-                from_robot(&spot, pattern);
+                from_robot(spot, pattern);
                 continue;
             }
             let is_person = partner.pattern.category == Category::Person;
@@ -90,11 +94,11 @@ impl Parser<'_> {
                 _ => Viewpoint::Robot,
             };
             if viewpoint == Viewpoint::Partner && !is_told {
-                self.report_side(&spot);
+                self.report_side(spot);
                 is_told = true;
             }
             spot.loosen();
-            let kinds = kinds(&spot, viewpoint);
+            let kinds = kinds(spot, viewpoint);
             push_related(pattern, kinds, partner.pattern, partner.quantity);
         }
     }
@@ -175,7 +179,10 @@ impl Parser<'_> {
             return Some(related(kinds, robot, Quantity::SOME));
         }
         let start = self.at;
-        let mut thing = self.thing()?;
+        let mut thing = Thing::default();
+        if !self.read_thing(&mut thing) {
+            return None;
+        }
         let quantity = thing.how_many();
         if self.is_facing_him() {
             self.spoken = Some(remembered(pattern));
@@ -221,17 +228,15 @@ impl Parser<'_> {
         if let Some(kind) = self.beside_him() {
             return vec![kind];
         }
-        match self.spot(subject) {
-            None => vec![RelationKind::With],
-            Some((mut spot, Anchor::Unsaid | Anchor::His | Anchor::Him)) => {
+        let mut spot = Spot::default();
+        if self.spot(subject, &mut spot) {
+            if matches!(spot.anchor, Anchor::Unsaid | Anchor::His | Anchor::Him) {
                 spot.loosen();
-                kinds(&spot, Viewpoint::Subject)
+                return kinds(&spot, Viewpoint::Subject);
             }
-            Some((spot, anchor)) => {
-                self.put_spot(spot, anchor, partner, start);
-                vec![RelationKind::With]
-            }
+            self.put_spot(&mut spot, partner, start);
         }
+        vec![RelationKind::With]
     }
 
     /// "next to him" behind "with a woman".
@@ -253,7 +258,9 @@ impl Parser<'_> {
     pub(crate) fn other_at_his(&mut self, pattern: &mut Pattern) -> bool {
         let mark = self.mark();
         let found = self.thing().filter(|_| self.is_told_of_him(self.at));
-        let (Some(thing), Some((spot, Anchor::His))) = (found, self.spot(pattern)) else {
+        let mut spot = Spot::default();
+        let is_at_his = self.spot(pattern, &mut spot) && matches!(spot.anchor, Anchor::His);
+        let Some(thing) = found.filter(|_| is_at_his) else {
             self.reset(mark);
             return false;
         };
@@ -271,7 +278,7 @@ impl Parser<'_> {
 }
 
 fn from_robot(spot: &Spot, pattern: &mut Pattern) {
-    pattern.conditions.extend(spot.places().map(Condition::FromRobot));
+    pattern.conditions.extend(spot.places.iter().copied().map(Condition::FromRobot));
 }
 
 fn is_not(condition: &Condition) -> bool {
@@ -284,7 +291,7 @@ fn is_placed(condition: &Condition) -> bool {
     matches!(related.kinds[..], [RelationKind::Placed { .. }, ..])
 }
 
-fn is_distance(place: Place) -> bool {
+fn is_distance(place: &Place) -> bool {
     matches!(place, Place::Distance(_) | Place::Metres(_))
 }
 
@@ -294,11 +301,11 @@ fn kinds(spot: &Spot, viewpoint: Viewpoint) -> Vec<RelationKind> {
         Viewpoint::Subject => Viewpoint::Subject,
         Viewpoint::Partner | Viewpoint::Robot => Viewpoint::Partner,
     };
-    let kind = |place: Place| {
+    let kind = |place: &Place| {
         let viewpoint = if is_distance(place) { of_distance } else { viewpoint };
-        RelationKind::Placed { place, viewpoint }
+        RelationKind::Placed { place: *place, viewpoint }
     };
-    spot.places().map(kind).collect()
+    spot.places.iter().map(kind).collect()
 }
 
 pub(crate) fn related(kinds: Vec<RelationKind>, partner: Pattern, quantity: Quantity) -> Condition {

@@ -208,7 +208,8 @@ impl Parser<'_> {
 
     pub(crate) fn target_thing(&mut self) -> Thing {
         self.skip(Roles::of(&[Role::Either, Role::Filler]));
-        if let Some(thing) = self.thing() {
+        let mut thing = Thing::default();
+        if self.read_thing(&mut thing) {
             return thing;
         }
         if self.is(Role::Him) {

@@ -4,6 +4,8 @@ use jrdb_types::query::{Interval, Place};
 use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Direction, DistanceWord, Pattern};
 
+use smallvec::SmallVec;
+
 use crate::coordination::Partner;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
@@ -26,31 +28,32 @@ const PLACES_MAX: usize = 4;
 /// What is said of a place.
 #[derive(Debug, Default)]
 pub(crate) struct Spot {
-    places: [Option<Place>; PLACES_MAX],
+    pub(crate) places: SmallVec<[Place; PLACES_MAX]>,
     /// Place of the distance that was said without the word "distance": "near".
     loose: Option<usize>,
     /// Where "left" or "right" stands.
     pub(crate) sided: Option<usize>,
+    /// From where it is told.
+    pub(crate) anchor: Anchor,
 }
 
 impl Spot {
     fn push(&mut self, place: Place) -> bool {
-        let free = self.places.iter_mut().find(|slot| slot.is_none());
-        let has_room = free.is_some();
-        if let Some(free) = free {
-            *free = Some(place);
+        let has_room = self.places.len() < PLACES_MAX;
+        if has_room {
+            self.places.push(place);
         }
         has_room
     }
 
-    pub(crate) fn places(&self) -> impl Iterator<Item = Place> {
-        self.places.iter().copied().map_while(|place| place)
+    fn is_anchored(&self) -> bool {
+        !matches!(self.anchor, Anchor::Unsaid)
     }
 
     /// Makes the side that was just read an angle to that side; false when it was no side.
     fn turn(&mut self, degrees: f64) -> bool {
-        let last = self.places.iter_mut().rev().flatten().next();
-        let (Some(last), true) = (last, self.sided.is_some()) else { return false };
+        let last = self.places.last_mut().filter(|_| self.sided.is_some());
+        let Some(last) = last else { return false };
         let center = match last {
             Place::Direction(Direction { sector: Sector::Left, .. }) => degrees,
             Place::Direction(Direction { sector: Sector::Right, .. })
@@ -67,7 +70,7 @@ impl Spot {
 
     /// The places as they are meant beside a thing: "near a table" is at most 1.5 m from it, very close or close.
     pub(crate) fn loosen(&mut self) {
-        let Some(place) = self.loose.and_then(|at| self.places.get_mut(at)?.as_mut()) else {
+        let Some(place) = self.loose.and_then(|at| self.places.get_mut(at)) else {
             return;
         };
         match place {
@@ -129,24 +132,25 @@ pub(crate) const SPOT_START: Roles = Roles::of(&[
 
 impl Parser<'_> {
     /// Reads a place and what it is told from; stays where it is when there is none.
-    pub(crate) fn spot(&mut self, subject: &Pattern) -> Option<(Spot, Anchor)> {
-        let (mut spot, mut anchor) = (Spot::default(), Anchor::Unsaid);
-        if !self.part(&mut spot, &mut anchor) {
-            return None;
+    pub(crate) fn spot(&mut self, subject: &Pattern, spot: &mut Spot) -> bool {
+        if !self.part(spot) {
+            return false;
         }
-        while matches!(anchor, Anchor::Unsaid) {
-            anchor = self.anchor(subject);
-            if !matches!(anchor, Anchor::Unsaid) || !self.next_part(&mut spot, &mut anchor) {
+        while !spot.is_anchored() {
+            self.anchor(subject, spot);
+            if spot.is_anchored() || !self.next_part(spot) {
                 break;
             }
         }
-        self.trailing(&mut spot, &mut anchor);
-        Some((spot, anchor))
+        if spot.is_anchored() {
+            self.trailing(spot);
+        }
+        true
     }
 
     /// The distance behind "his right", "left of the woman": of the same place.
-    fn trailing(&mut self, spot: &mut Spot, anchor: &mut Anchor) {
-        let is_his = matches!(anchor, Anchor::His);
+    fn trailing(&mut self, spot: &mut Spot) {
+        let is_his = matches!(spot.anchor, Anchor::His);
         loop {
             let mark = self.mark();
             if is_his {
@@ -154,13 +158,15 @@ impl Parser<'_> {
             }
             let start = self.after(self.at, LEAD);
             let is_distance = self.is_at(start, Role::Far) || self.is_length(start);
-            if matches!(anchor, Anchor::Unsaid) || !is_distance || self.is_noun_ahead(start + 1) {
+            if !is_distance || self.is_noun_ahead(start + 1) {
                 return self.reset(mark);
             }
-            let places = spot.places().count();
-            let fits = self.part(spot, &mut Anchor::Unsaid);
+            let places = spot.places.len();
+            let anchor = std::mem::take(&mut spot.anchor);
+            let fits = self.part(spot);
+            spot.anchor = anchor;
             if !fits || self.is_anchor_next() {
-                spot.places[places..].fill(None);
+                spot.places.truncate(places);
                 return self.reset(mark);
             }
         }
@@ -178,17 +184,16 @@ impl Parser<'_> {
     }
 
     /// Another part of the same place, directly or behind "and"; a part with a thing of its own is another place.
-    fn next_part(&mut self, spot: &mut Spot, anchor: &mut Anchor) -> bool {
-        let (mark, places) = (self.mark(), spot.places().count());
+    fn next_part(&mut self, spot: &mut Spot) -> bool {
+        let (mark, places) = (self.mark(), spot.places.len());
         let is_joined = self.take(Role::And);
-        let found = self.part(spot, anchor);
-        let is_own =
-            is_joined && (self.had_of() || self.is(Role::Of) || !matches!(anchor, Anchor::Unsaid));
+        let found = self.part(spot);
+        let is_own = is_joined && (self.had_of() || self.is(Role::Of) || spot.is_anchored());
         let is_own = is_own || spot.loose.is_some_and(|at| at >= places) && is_joined;
         if !found || is_own {
-            spot.places[places..].fill(None);
+            spot.places.truncate(places);
             spot.loose = spot.loose.filter(|at| *at < places);
-            *anchor = Anchor::Unsaid;
+            spot.anchor = Anchor::Unsaid;
             self.reset(mark);
             return false;
         }
@@ -201,7 +206,7 @@ impl Parser<'_> {
     }
 
     /// One part: a direction, a distance, a length, an hour; with "my", "his" or "the man's" before a direction.
-    fn part(&mut self, spot: &mut Spot, anchor: &mut Anchor) -> bool {
+    fn part(&mut self, spot: &mut Spot) -> bool {
         let mark = self.mark();
         self.skip(LEAD);
         let degrees = self.degrees();
@@ -209,17 +214,17 @@ impl Parser<'_> {
         self.at += if is_of { 2 } else { 0 };
         if self.is(Role::My) {
             self.at += 1;
-            *anchor = Anchor::Robot;
+            spot.anchor = Anchor::Robot;
         } else if self.is(Role::His) && self.is_place_behind_his() {
             self.his();
-            *anchor = Anchor::His;
+            spot.anchor = Anchor::His;
         } else if let Some(owner) = self.owner() {
-            *anchor = Anchor::Own(owner);
+            spot.anchor = Anchor::Own(owner);
         }
         if self.value(spot) && degrees.is_none_or(|degrees| spot.turn(degrees)) {
             return true;
         }
-        *anchor = Anchor::Unsaid;
+        spot.anchor = Anchor::Unsaid;
         self.reset(mark);
         false
     }
@@ -274,12 +279,12 @@ impl Parser<'_> {
         let entry = self.entry();
         let found = if entry.roles.has(Role::Near) {
             self.at += 1;
-            spot.loose = Some(spot.places().count());
+            spot.loose = Some(spot.places.len());
             spot.push(Place::Distance(DistanceWord::Close))
         } else if let Some(word) = entry.distance {
             self.at += 1;
             let is_plain = !self.is(Role::Side);
-            spot.loose = is_plain.then(|| spot.places().count()).or(spot.loose);
+            spot.loose = is_plain.then(|| spot.places.len()).or(spot.loose);
             spot.push(Place::Distance(word))
         } else if let Some(place) = self.direction(spot) {
             spot.push(place)
@@ -337,28 +342,26 @@ impl Parser<'_> {
     }
 
     /// The thing behind "of", "to", "from", "relative to".
-    fn anchor(&mut self, subject: &Pattern) -> Anchor {
+    fn anchor(&mut self, subject: &Pattern, spot: &mut Spot) {
         const JOINTS: Roles = Roles::of(&[Role::Relative, Role::To, Role::Of, Role::At]);
         let mark = self.mark();
         let had_of = self.had_of() || self.is_at(self.at.wrapping_sub(1), Role::Near);
         let is_joined = self.roles().has_any(Roles::of(&[Role::To, Role::Of, Role::Relative]));
         let is_another = !had_of && self.is(Role::Sector);
         if !had_of && !is_joined || is_another {
-            return Anchor::Unsaid;
+            return;
         }
         if !had_of || self.roles().has_any(Roles::of(&[Role::Relative, Role::Of])) {
             self.skip(JOINTS);
             let start = self.after(self.at, Roles::of(&[Role::The, Role::A]));
             if self.is_place_at(self.at) && !self.is_noun_ahead(start) {
-                self.reset(mark);
-                return Anchor::Unsaid;
+                return self.reset(mark);
             }
         }
-        let anchor = self.anchor_thing(subject);
-        if matches!(anchor, Anchor::Unsaid) {
+        spot.anchor = self.anchor_thing(subject);
+        if !spot.is_anchored() {
             self.reset(mark);
         }
-        anchor
     }
 
     fn anchor_thing(&mut self, subject: &Pattern) -> Anchor {
@@ -371,6 +374,9 @@ impl Parser<'_> {
         if self.take(Role::EachOther) {
             let pattern = Pattern::of(subject.category.clone());
             return Anchor::Things(vec![Partner { pattern, ..Partner::default() }]);
+        }
+        if !self.has_pronouns && self.take_robot_alone() {
+            return Anchor::Robot;
         }
         let mut partners = self.partners_of(subject);
         match partners.len() {

@@ -53,7 +53,7 @@ impl Parser<'_> {
             && self.roles_at(last).has_any(STRANDED)
             && !self.roles_at(last).has(Role::Deed);
         if found {
-            self.tokens.pop();
+            self.drop_last();
         }
         found
     }
@@ -109,7 +109,7 @@ impl Parser<'_> {
         }
         let is_up_to = self.tokens.last().is_some_and(|last| last.entry.limit.is_some());
         if is_up_to && !self.is_end() {
-            self.tokens.pop();
+            self.drop_last();
             self.asks_doing = true;
         }
         let label = self.last_deed();
@@ -138,7 +138,7 @@ impl Parser<'_> {
     fn last_deed(&mut self) -> Option<&'static String> {
         let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.object.as_ref()?;
-        self.tokens.pop();
+        self.drop_last();
         Some(label)
     }
 
@@ -146,7 +146,7 @@ impl Parser<'_> {
     fn last_done_together(&mut self) -> Option<&'static String> {
         let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.people.as_ref()?;
-        self.tokens.pop();
+        self.drop_last();
         Some(label)
     }
 

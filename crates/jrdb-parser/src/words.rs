@@ -3,8 +3,19 @@
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{Issue, Span};
 
-use crate::lexicon::{Entry, LEXICON, Roles, special};
+use smallvec::SmallVec;
+
+use crate::lexicon::{Entry, Key, LETTERS_MAX, LEXICON, Lexicon, Roles, special};
 use crate::suggest::{Suggestion, suggest};
+
+/// Words of most questions at most: so many need no memory of their own.
+const WORDS: usize = 32;
+
+/// The pieces of a text.
+pub(crate) type Pieces = SmallVec<[Piece; WORDS]>;
+
+/// The phrases of a text.
+pub(crate) type Tokens = SmallVec<[Token; WORDS]>;
 
 /// A word, a number or a mark of the text.
 #[derive(Debug, Clone, Copy)]
@@ -63,39 +74,52 @@ const CLASSES: [Class; 256] = {
 
 /// Splits a text into phrases, the longest of the lexicon at each place. Words of no phrase are read as the one known
 /// word that is one edit away, and reported.
-pub(crate) fn tokenize(text: &str, issues: &mut Vec<Issue>) -> Vec<Token> {
-    let pieces = pieces(text, issues);
-    let mut tokens = Vec::with_capacity(pieces.len());
-    let mut at = 0;
-    while at < pieces.len() {
-        let (entry, length) = LEXICON.longest(&pieces[at..]);
-        let (start, end) = (pieces[at].start, pieces[at + length - 1].end);
-        let entry = LEXICON.entry(entry);
-        tokens.push(Token { entry, roles: entry.roles, start, end });
-        at += length;
+pub(crate) fn tokenize(text: &str, tokens: &mut Tokens, issues: &mut Vec<Issue>) {
+    let lexicon = &*LEXICON;
+    let mut pieces = Pieces::new();
+    split_known(text, &mut pieces, issues);
+    let mut rest = &pieces[..];
+    while let [first, behind @ ..] = rest {
+        let (entry, more) = lexicon.longest(first.word, behind);
+        let last = if more == 0 { first } else { &behind[more - 1] };
+        let entry = lexicon.entry(entry);
+        tokens.push(Token { entry, roles: entry.roles, start: first.start, end: last.end });
+        rest = &behind[more..];
     }
-    tokens
 }
 
 /// The pieces of a text with their numbers in the lexicon.
-pub(crate) fn pieces(text: &str, issues: &mut Vec<Issue>) -> Vec<Piece> {
+pub(crate) fn split_known(text: &str, pieces: &mut Pieces, issues: &mut Vec<Issue>) {
+    let lexicon = &*LEXICON;
     let mut suggestions = 0;
-    let mut pieces = Vec::with_capacity(text.len() / 5 + 4);
-    for mut piece in split(text) {
+    for (mut piece, key) in split(text) {
         if piece.word == special::UNKNOWN {
-            let word = &text[piece.start..piece.end];
-            piece.word = LEXICON.first_word(&text.as_bytes()[piece.start..], word.len());
-            if piece.word == special::UNKNOWN && !word.is_ascii() {
-                piece.word = LEXICON.word(&word.replace('’', "'"));
-            }
-            if piece.word == special::UNKNOWN && suggestions < SUGGESTIONS_MAX {
-                suggestions += 1;
-                piece.word = corrected(word, piece, issues);
+            piece.word = lexicon.number(key);
+            if piece.word == special::UNKNOWN {
+                piece.word = respelled(lexicon, text, piece, &mut suggestions, issues);
             }
         }
         pieces.push(piece);
     }
-    pieces
+}
+
+/// The number of a word that is not known as it is written.
+#[cold]
+fn respelled(
+    lexicon: &Lexicon,
+    text: &str,
+    piece: Piece,
+    suggestions: &mut usize,
+    issues: &mut Vec<Issue>,
+) -> u16 {
+    let word = &text[piece.start..piece.end];
+    let with_apostrophe =
+        if word.is_ascii() { special::UNKNOWN } else { lexicon.word(&word.replace('’', "'")) };
+    if with_apostrophe != special::UNKNOWN || *suggestions == SUGGESTIONS_MAX {
+        return with_apostrophe;
+    }
+    *suggestions += 1;
+    corrected(word, piece, issues)
 }
 
 fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
@@ -107,33 +131,81 @@ fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
     LEXICON.word(known)
 }
 
-/// The pieces of a text. Words are runs of letters and apostrophes, but `'s` and `'re` are words of their own;
-/// a hyphen between digits is a dash; every other mark only separates.
-pub(crate) fn split(text: &str) -> impl Iterator<Item = Piece> {
+/// The pieces of a text, and what words are looked up by. Words are runs of letters and apostrophes, but `'s` and `'re` are
+/// words of their own; a hyphen between digits is a dash; every other mark only separates.
+pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
     let bytes = text.as_bytes();
     let mut at = 0;
     std::iter::from_fn(move || {
-        while at < bytes.len() {
+        loop {
+            let rest = &bytes[at..];
+            let start = at;
             // Nearly every separator is one.
-            if bytes[at] == b' ' {
+            if *rest.first()? == b' ' {
                 at += 1;
                 continue;
             }
-            let start = at;
+            if let Some((key, length)) = plain_word(rest) {
+                at += length;
+                return Some((Piece { word: special::UNKNOWN, start, end: at }, key));
+            }
             let (word, length) = piece(bytes, text, at);
             at += length;
             if let Some(word) = word {
-                return Some(Piece { word, start, end: at });
+                return Some((Piece { word, start, end: at }, Key::of(rest, length)));
             }
         }
-        None
+    })
+}
+
+/// Bytes that are looked at together; few words are longer.
+const CHUNK: usize = 8;
+
+/// A number whose bytes are all 1.
+const ONES: u64 = u64::MAX / u8::MAX as u64;
+
+/// The ASCII letters that some bytes begin with, in lower case and with zeros behind them, and how many they are.
+fn letters(bytes: [u8; CHUNK]) -> (u64, usize) {
+    const CASE: u8 = b'a' ^ b'A';
+    const TOP: u64 = ONES * 0x80;
+    let lower = u64::from_le_bytes(bytes) | (ONES * u64::from(CASE));
+    // The top bit of each byte tells. A byte beyond ASCII, which is none, may spoil those behind it: they do not matter.
+    let from_a = lower.wrapping_add(ONES * u64::from(0x80 - b'a'));
+    let beyond_z = lower.wrapping_add(ONES * u64::from(0x7f - b'z'));
+    let others = !(from_a & !beyond_z & !lower) & TOP;
+    let length = others.trailing_zeros() / u8::BITS;
+    let behind = u64::MAX.checked_shl(length * u8::BITS).unwrap_or_default();
+    (lower & !behind, length as usize)
+}
+
+/// The word that a text begins with, if it is one of plain letters that nothing goes on.
+#[inline]
+fn plain_word(text: &[u8]) -> Option<(Key, usize)> {
+    let (first, mut length) = letters(chunk(text));
+    let mut second = 0;
+    if length == CHUNK {
+        let (letters, more) = letters(chunk(&text[CHUNK..]));
+        (second, length) = (letters, CHUNK + more);
+    }
+    let behind = text.get(length).map_or(Class::Blank, |byte| CLASSES[usize::from(*byte)]);
+    let ends = matches!(behind, Class::Blank | Class::Comma | Class::Slash);
+    let is_plain = ends && (1..=LETTERS_MAX).contains(&length);
+    is_plain.then_some((Key::from_halves(first, second), length))
+}
+
+/// The first bytes of a text, with blanks behind a short one.
+fn chunk(text: &[u8]) -> [u8; CHUNK] {
+    text.first_chunk().copied().unwrap_or_else(|| {
+        let mut chunk = [b' '; CHUNK];
+        chunk.iter_mut().zip(text).for_each(|(to, from)| *to = *from);
+        chunk
     })
 }
 
 /// What begins at a byte: a piece, or a separator, and its length.
 fn piece(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
     match CLASSES[usize::from(bytes[at])] {
-        Class::Letter => (Some(special::UNKNOWN), word_length(bytes, text, at)),
+        Class::Letter => (Some(special::UNKNOWN), word_end(bytes, text, at) - at),
         Class::Digit => (Some(special::NUMBER), number_length(bytes, at)),
         Class::Comma => (Some(special::COMMA), 1),
         Class::Slash => (Some(special::SLASH), 1),
@@ -163,24 +235,6 @@ fn suffix(bytes: &[u8], at: usize) -> usize {
     let letters = &bytes[at..at + length];
     let is_suffix = letters.eq_ignore_ascii_case(b"s") || letters.eq_ignore_ascii_case(b"re");
     if is_suffix { length } else { 0 }
-}
-
-/// Bytes that are looked at together; few words are longer.
-const CHUNK: usize = 16;
-
-/// How many ASCII letters and digits a text begins with, as far as its first [`CHUNK`] tells; 0 when it is shorter.
-fn plain_length(bytes: &[u8]) -> usize {
-    let Some(mut first) = bytes.first_chunk::<CHUNK>().copied() else { return 0 };
-    for byte in &mut first {
-        *byte = if byte.is_ascii_alphanumeric() { u8::MAX } else { 0 };
-    }
-    (u128::from_le_bytes(first).trailing_ones() / u8::BITS) as usize
-}
-
-fn word_length(bytes: &[u8], text: &str, start: usize) -> usize {
-    let plain = plain_length(&bytes[start..]);
-    let is_whole = bytes.get(start + plain) == Some(&b' ');
-    if is_whole { plain } else { word_end(bytes, text, start + plain) - start }
 }
 
 /// Where the word ends that goes on at a place, if it does.
@@ -224,7 +278,7 @@ fn wide(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
             (Some(special::DASH), length)
         }
         '°' => (Some(special::UNKNOWN), length),
-        _ if is_of_word(character) => (Some(special::UNKNOWN), word_length(bytes, text, at)),
+        _ if is_of_word(character) => (Some(special::UNKNOWN), word_end(bytes, text, at) - at),
         _ => (None, length),
     }
 }
@@ -234,7 +288,9 @@ mod tests {
     use super::*;
 
     fn shown(text: &str) -> Vec<&str> {
-        tokenize(text, &mut Vec::new()).iter().map(|t| &text[t.start..t.end]).collect()
+        let mut tokens = Tokens::new();
+        tokenize(text, &mut tokens, &mut Vec::new());
+        tokens.iter().map(|t| &text[t.start..t.end]).collect()
     }
 
     #[test]
@@ -244,6 +300,18 @@ mod tests {
             shown("his\\her 3m 2-4 0.13"),
             ["his", "\\", "her", "3", "m", "2", "-", "4", "0.13"]
         );
+    }
+
+    #[test]
+    fn letters_are_told_from_every_other_byte() {
+        for byte in 0..=u8::MAX {
+            let (word, length) = letters([b'Q', byte, b'z', b' ', 0xff, byte, b'a', b'a']);
+            let is_letter = byte.is_ascii_alphabetic();
+            assert_eq!(length, if is_letter { 3 } else { 1 }, "{byte}");
+            let lower = u64::from(byte.to_ascii_lowercase()) << 8 | u64::from(b'z') << 16;
+            assert_eq!(word, u64::from(b'q') | if is_letter { lower } else { 0 }, "{byte}");
+        }
+        assert_eq!(letters(*b"distance"), (u64::from_le_bytes(*b"distance"), 8));
     }
 
     #[test]
@@ -261,7 +329,8 @@ mod tests {
     #[test]
     fn a_typo_is_read_as_the_word_meant_and_reported() {
         let mut issues = Vec::new();
-        let tokens = tokenize("the femlae person", &mut issues);
+        let mut tokens = Tokens::new();
+        tokenize("the femlae person", &mut tokens, &mut issues);
         assert!(!tokens[1].entry.says.is_empty());
         assert_eq!(issues[0].message, r#"unknown word "femlae" read as "female""#);
         assert_eq!(issues[0].span, Some(Span { start: 4, end: 10 }));

@@ -13,6 +13,7 @@ mod numbered;
 pub mod picture;
 pub mod resize;
 pub mod ssdlite;
+pub mod tensor;
 pub mod tiles;
 pub mod tokens;
 pub mod vlm;

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
-use crate::resize::{Filter, resize};
+use crate::resize::{Filter, Region, Resizer};
+use crate::tensor::{Layout, Normalise};
 use crate::tokens::parse_json;
 
 /// How a model's pictures are prepared: the fields of a `preprocessor_config.json` that matter.
@@ -16,7 +17,7 @@ pub struct PictureConfig {
     /// Pillow's number of the filter: 2 bilinear, 3 bicubic.
     #[serde(default = "bicubic")]
     pub resample: u8,
-    /// What bytes are multiplied with.
+    /// What bytes are multiplied with: 1/255.
     #[serde(default = "per_byte")]
     pub rescale_factor: f64,
     /// Subtracted from each channel after that.
@@ -52,19 +53,28 @@ impl PictureConfig {
     /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out of range.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
         let config: Self = parse_json("preprocessor_config.json", text)?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Whether every number is one that pictures can be prepared with.
+    pub(crate) fn check(&self) -> Result<(), PerceptionError> {
         let out_of_range =
             |setting, expected, found| Err(PerceptionError::Setting { setting, expected, found });
-        for side in [config.size.width, config.size.height] {
+        for side in [self.size.width, self.size.height] {
             if !(1..=SIDE_MAX).contains(&side) {
                 return out_of_range("size", "in [1, 8192]", side as f64);
             }
         }
-        if !(2..=3).contains(&config.resample) {
-            return out_of_range("resample", "2 or 3", config.resample.into());
+        if !(2..=3).contains(&self.resample) {
+            return out_of_range("resample", "2 or 3", self.resample.into());
         }
-        match config.image_std.iter().find(|std| **std == 0.0 || !std.is_finite()) {
+        if (self.rescale_factor - per_byte()).abs() > 1e-9 {
+            return out_of_range("rescale_factor", "1/255", self.rescale_factor);
+        }
+        match self.image_std.iter().find(|std| **std == 0.0 || !std.is_finite()) {
             Some(std) => out_of_range("image_std", "a number other than 0", *std),
-            None => Ok(config),
+            None => Ok(()),
         }
     }
 
@@ -77,25 +87,33 @@ impl PictureConfig {
     /// Resizes a picture to the model's input and normalises it, f32 `[3, height, width]`.
     #[must_use]
     pub fn prepare(&self, image: &Image) -> Vec<f32> {
-        self.normalise(&resize(image, self.size.width, self.size.height, self.filter()))
+        self.prepare_part(image, Region::whole(image))
     }
 
-    /// The picture's channels one after the other, normalised, without resizing.
+    /// The same of a part of a picture.
+    ///
+    /// # Panics
+    /// When the part is not in the picture.
     #[must_use]
-    pub fn normalise(&self, image: &Image) -> Vec<f32> {
-        let tables = [0, 1, 2].map(|channel| self.table(channel));
-        let channel = |channel: usize| {
-            image.rgb.iter().skip(channel).step_by(3).map(move |byte| (channel, *byte))
-        };
-        (0..3).flat_map(channel).map(|(c, byte)| tables[c][usize::from(byte)]).collect()
+    pub fn prepare_part(&self, image: &Image, part: Region) -> Vec<f32> {
+        let PictureSize { height, width } = self.size;
+        let mut tensor = vec![0.0; 3 * height * width];
+        let mut resizer = Resizer::new(self.filter(), width, height);
+        resizer.tensor(image, part, &self.normalise(), Layout::Chw, &mut tensor);
+        tensor
     }
 
-    /// The normalised value of each byte. The reference rounds to single precision after each operation, so do we.
-    fn table(&self, channel: usize) -> Vec<f32> {
-        let (mean, std) = (self.image_mean[channel] as f32, self.image_std[channel] as f32);
-        (0..=255_u8)
-            .map(|byte| ((f64::from(byte) * self.rescale_factor) as f32 - mean) / std)
-            .collect()
+    /// A picture's channels one after the other, normalised, without resizing.
+    #[must_use]
+    pub fn planes(&self, image: &Image) -> Vec<f32> {
+        let mut tensor = vec![0.0; image.rgb.len()];
+        self.normalise().table().put_planes(&image.rgb, &mut tensor, image.rgb.len() / 3, 0);
+        tensor
+    }
+
+    fn normalise(&self) -> Normalise {
+        let single = |all: [f64; 3]| all.map(|value| value as f32);
+        Normalise { mean: single(self.image_mean), std: single(self.image_std) }
     }
 
     /// Prepared pictures as one tensor, f32 `[pictures, 3, height, width]`.

@@ -3,7 +3,14 @@
 //! Two passes, columns first, with 8-bit values between them; filters widen when shrinking (antialias);
 //! weights are rounded to 22 fractional bits. Models are trained on pictures scaled this way.
 
+mod passes;
+mod taps;
+
 use jrdb_types::Image;
+
+use crate::tensor::{Layout, Normalise};
+use crate::tiles::Tile;
+use taps::Taps;
 
 /// The shape of the filter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -34,6 +41,47 @@ impl Filter {
     }
 }
 
+/// A rectangle of a picture. Its columns may go on at column 0, across the seam of a panorama.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Region {
+    /// First column, below the picture's width.
+    pub x_px: usize,
+    /// First row.
+    pub y_px: usize,
+    /// Number of columns, at most the picture's.
+    pub width_px: usize,
+    /// Number of rows, all of them in the picture.
+    pub height_px: usize,
+}
+
+impl Region {
+    /// All of a picture.
+    #[must_use]
+    pub fn whole(image: &Image) -> Self {
+        Self { x_px: 0, y_px: 0, width_px: image.width, height_px: image.height }
+    }
+
+    /// What a tile shows of a picture: all rows of its columns.
+    #[must_use]
+    pub fn of_tile(tile: Tile, image: &Image) -> Self {
+        let (x_px, width_px) = (tile.x_px as usize, tile.width_px as usize);
+        Self { x_px, width_px, ..Self::whole(image) }
+    }
+
+    fn has_pixels(self) -> bool {
+        self.width_px > 0 && self.height_px > 0
+    }
+
+    /// Copies one of its rows, with a byte behind it that may be anything.
+    fn copy_row(self, image: &Image, row: usize, to: &mut [u8]) {
+        let from = &image.rgb[3 * image.width * (self.y_px + row)..][..3 * image.width];
+        let before_seam = 3 * self.width_px.min(image.width - self.x_px);
+        let (first, second) = to[..3 * self.width_px].split_at_mut(before_seam);
+        first.copy_from_slice(&from[3 * self.x_px..][..before_seam]);
+        second.copy_from_slice(&from[..second.len()]);
+    }
+}
+
 /// The picture scaled to another size. A picture without pixels gives black.
 ///
 /// # Panics
@@ -47,70 +95,113 @@ impl Filter {
 /// ```
 #[must_use]
 pub fn resize(image: &Image, width: usize, height: usize, filter: Filter) -> Image {
-    if image.rgb.is_empty() {
-        return Image::filled(width, height, [0; 3]);
+    Resizer::new(filter, width, height).resize(image, Region::whole(image))
+}
+
+/// Scales parts of pictures to one size, and uses its memory and the weights of the last part's size again.
+///
+/// ```
+/// use jrdb_perception::resize::{Filter, Region, Resizer, resize};
+/// use jrdb_perception::tensor::{Layout, Normalise};
+/// use jrdb_types::Image;
+/// let panorama = Image::filled(400, 100, [255, 0, 0]);
+/// let mut resizer = Resizer::new(Filter::Bilinear, 20, 10);
+/// let across_the_seam = Region { x_px: 350, y_px: 0, width_px: 100, height_px: 100 };
+/// assert_eq!(resizer.resize(&panorama, across_the_seam), Image::filled(20, 10, [255, 0, 0]));
+/// let mut tensor = vec![0.0; 3 * 20 * 10];
+/// let normalise = Normalise { mean: [0.5; 3], std: [0.5; 3] };
+/// resizer.tensor(&panorama, across_the_seam, &normalise, Layout::Chw, &mut tensor);
+/// assert_eq!((tensor[0], tensor[200]), (1.0, -1.0));
+/// ```
+#[derive(Debug, Clone)]
+pub struct Resizer {
+    filter: Filter,
+    width: usize,
+    height: usize,
+    across: Taps,
+    down: Taps,
+    /// A row of the region, and one of the result.
+    rows: [Vec<u8>; 2],
+    /// The region at its new width and its old height.
+    narrow: Vec<u8>,
+}
+
+impl Resizer {
+    /// For pictures of so many columns and rows.
+    #[must_use]
+    pub fn new(filter: Filter, width: usize, height: usize) -> Self {
+        let (across, down, rows, narrow) = Default::default();
+        Self { filter, width, height, across, down, rows, narrow }
     }
-    let narrow = resample_rows(image, &taps(image.width, width, filter));
-    resample_columns(&narrow, &taps(image.height, height, filter))
-}
 
-const FRACTION_BITS: u32 = 22;
+    /// A part of a picture, scaled; black where it has no pixels.
+    ///
+    /// # Panics
+    /// When the region is not in the picture, or the picture has not `3 · width · height` bytes.
+    #[must_use]
+    pub fn resize(&mut self, image: &Image, region: Region) -> Image {
+        let mut scaled = Image::filled(self.width, self.height, [0; 3]);
+        let stride = 3 * self.width;
+        self.each_row(image, region, |y, row| {
+            scaled.rgb[y * stride..][..stride].copy_from_slice(row);
+        });
+        scaled
+    }
 
-/// Which inputs make one output, and how much of each.
-struct Taps {
-    first: usize,
-    /// In units of 2⁻²²; their magnitudes sum to less than 2, so that 255 times their sum fits 32 bits.
-    weights: Vec<i32>,
-}
+    /// A part of a picture, scaled and normalised, as a model takes it: `3 · height · width` numbers.
+    ///
+    /// # Panics
+    /// When the tensor has another length, the region is not in the picture, or the picture has not `3 · width · height` bytes.
+    pub fn tensor(
+        &mut self,
+        image: &Image,
+        region: Region,
+        normalise: &Normalise,
+        layout: Layout,
+        tensor: &mut [f32],
+    ) {
+        let plane = self.width * self.height;
+        assert_eq!(tensor.len(), 3 * plane, "a tensor has a number for each channel of each pixel");
+        let table = normalise.table();
+        let width = self.width;
+        self.each_row(image, region, |y, row| match layout {
+            Layout::Chw => table.put_planes(row, tensor, plane, y * width),
+            Layout::Hwc => table.put_row(row, &mut tensor[3 * y * width..][..3 * width]),
+        });
+    }
 
-fn taps(input: usize, output: usize, filter: Filter) -> Vec<Taps> {
-    let scale = input as f64 / output as f64;
-    let stretch = scale.max(1.0);
-    let reach = filter.reach() * stretch;
-    let one_output = |i: usize| {
-        let center = (i as f64 + 0.5) * scale;
-        // Conversions to integers cut the fraction off, and negative numbers to 0.
-        let first = (center - reach + 0.5) as usize;
-        let end = ((center + reach + 0.5) as usize).min(input);
-        let squeeze = 1.0 / stretch;
-        let weight = |j: usize| filter.weight((j as f64 - center + 0.5) * squeeze);
-        let exact: Vec<f64> = (first..end).map(weight).collect();
-        let sum: f64 = exact.iter().sum();
-        let unit = f64::from(1_u32 << FRACTION_BITS);
-        let weights = exact.iter().map(|w| (w / sum * unit).round() as i32).collect();
-        Taps { first, weights }
-    };
-    (0..output).map(one_output).collect()
-}
-
-fn weighted(taps: &Taps, input: impl Fn(usize) -> u8) -> u8 {
-    let half = 1 << (FRACTION_BITS - 1);
-    let parts = taps.weights.iter().zip(taps.first..).map(|(w, at)| w * i32::from(input(at)));
-    (parts.fold(half, |sum, part| sum + part) >> FRACTION_BITS).clamp(0, 255) as u8
-}
-
-fn resample_rows(image: &Image, taps: &[Taps]) -> Image {
-    let mut rgb = Vec::with_capacity(3 * taps.len() * image.height);
-    for row in image.rgb.chunks_exact(3 * image.width) {
-        for t in taps {
-            rgb.extend([0, 1, 2].map(|channel| weighted(t, |x| row[3 * x + channel])));
+    /// Hands on the rows of the result from the top, `3 · width` bytes each.
+    fn each_row(&mut self, image: &Image, region: Region, mut put: impl FnMut(usize, &[u8])) {
+        if self.width == 0 || self.height == 0 {
+            return;
+        }
+        let stride = 3 * self.width;
+        let [from, to] = &mut self.rows;
+        to.clear();
+        to.resize(stride + 1, 0);
+        if !region.has_pixels() {
+            return (0..self.height).for_each(|y| put(y, &to[..stride]));
+        }
+        self.across.set(region.width_px, self.width, self.filter);
+        self.down.set(region.height_px, self.height, self.filter);
+        from.resize(3 * region.width_px + 1, 0);
+        self.narrow.resize(stride * region.height_px, 0);
+        for (y, narrow) in self.narrow.chunks_exact_mut(stride).enumerate() {
+            region.copy_row(image, y, from);
+            passes::across(&self.across, &from[..=3 * region.width_px], to);
+            narrow.copy_from_slice(&to[..stride]);
+        }
+        for y in 0..self.height {
+            passes::down(&self.down, y, &self.narrow, &mut to[..stride]);
+            put(y, &to[..stride]);
         }
     }
-    Image { width: taps.len(), height: image.height, rgb }
-}
-
-fn resample_columns(image: &Image, taps: &[Taps]) -> Image {
-    let stride = 3 * image.width;
-    let mut rgb = Vec::with_capacity(stride * taps.len());
-    for t in taps {
-        rgb.extend((0..stride).map(|at| weighted(t, |y| image.rgb[y * stride + at])));
-    }
-    Image { width: image.width, height: taps.len(), rgb }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// A picture of 7 x 5 pixels with strong contrasts: byte `i` is `i * i * 37 mod 256`.
     fn picture() -> Image {
@@ -204,6 +295,46 @@ mod tests {
             let found = resize(&picture(), width, height, filter);
             assert_eq!(found.rgb, expected, "{filter:?} to {width} x {height}");
         }
+    }
+
+    proptest! {
+        #[test]
+        fn a_region_is_its_crop_whether_it_crosses_the_seam_or_not(
+            x in 0_usize..23, y in 0_usize..9, width in 1_usize..=23, height in 1_usize..9,
+            [to_width, to_height] in [1_usize..40, 1_usize..40], bicubic: bool,
+        ) {
+            let rgb = (0..3 * 23 * 17_usize).map(|i| (i * i * 37 % 251) as u8).collect();
+            let image = Image { width: 23, height: 17, rgb };
+            let mut crop = Image::filled(width, height, [0; 3]);
+            for (at, pixel) in crop.rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                *pixel = image.pixel((x + at % width) % 23, y + at / width);
+            }
+            let filter = if bicubic { Filter::Bicubic } else { Filter::Bilinear };
+            let region = Region { x_px: x, y_px: y, width_px: width, height_px: height };
+            let mut resizer = Resizer::new(filter, to_width, to_height);
+            let found = resizer.resize(&image, region);
+            prop_assert_eq!(&found, &resize(&crop, to_width, to_height, filter));
+            // Memory that is used again does not show.
+            let whole = resizer.resize(&image, Region::whole(&image));
+            prop_assert_eq!(whole, resize(&image, to_width, to_height, filter));
+            let normalise = Normalise { mean: [0.0; 3], std: [1.0 / 255.0; 3] };
+            let (mut chw, mut hwc) = (vec![0.0; found.rgb.len()], vec![0.0; found.rgb.len()]);
+            resizer.tensor(&image, region, &normalise, Layout::Chw, &mut chw);
+            resizer.tensor(&image, region, &normalise, Layout::Hwc, &mut hwc);
+            for (at, byte) in found.rgb.iter().enumerate() {
+                let planar = chw[at % 3 * to_width * to_height + at / 3];
+                prop_assert_eq!((planar.round() as u8, hwc[at]), (*byte, planar));
+            }
+        }
+    }
+
+    #[test]
+    fn a_part_without_pixels_is_black_and_a_result_without_pixels_is_none() {
+        let nothing = Region { x_px: 0, y_px: 0, width_px: 0, height_px: 5 };
+        let mut resizer = Resizer::new(Filter::Bilinear, 2, 2);
+        assert_eq!(resizer.resize(&picture(), nothing), Image::filled(2, 2, [0; 3]));
+        assert!(resize(&picture(), 0, 4, Filter::Bicubic).rgb.is_empty());
+        assert!(resize(&picture(), 4, 0, Filter::Bicubic).rgb.is_empty());
     }
 
     #[test]

@@ -12,14 +12,16 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail, ensure};
 use jrdb_dataset::cloud::{self, Fields, Reader};
-use jrdb_dataset::{Dataset, pcd};
+use jrdb_dataset::{Dataset, decode_image, pcd};
+use jrdb_perception::resize::{Filter, Region, Resizer, resize};
+use jrdb_perception::tensor::{Layout, Normalise};
 use jrdb_projection::nalgebra::Point3;
 use jrdb_projection::relation::{self, overlap, pairwise::pairwise};
 use jrdb_projection::select::points_in_boxes;
 use jrdb_projection::{BaseCloud, CameraModel, ProjectionConfig, Scan, Sensors, localize, project};
 use jrdb_types::rig::FORWARD_CAMERA;
 use jrdb_types::{
-    Box3d, Camera, CylindricalPanorama, Detection, Detections, Entities, EntityId, FrameId,
+    Box3d, Camera, CylindricalPanorama, Detection, Detections, Entities, EntityId, FrameId, Image,
     LateralConvention, LensModel, Lidar, PixelBox, PointCloud, Rig, Transform,
 };
 use serde_json::{Value, json};
@@ -47,6 +49,7 @@ fn main() -> Result<()> {
     rows.extend(projection(&data.join("a")).context("projection")?);
     rows.extend(files(&data.join("b")).context("files")?);
     rows.extend(pairs(&data.join("c")).context("pairs")?);
+    rows.extend(pictures(&data.join("g")).context("pictures")?);
     rows.extend(real_frame().context("real frame")?);
     println!("{}", json!({ "rows": rows }));
     Ok(())
@@ -293,6 +296,89 @@ fn check_words(
         }
     }
     Ok(())
+}
+
+// Pictures.
+
+/// Columns of the panorama that one tile shows, and how far apart tiles begin, pixels; sides of the tensors of tiles and crops.
+const TILE_PX: usize = 640;
+const TILE_STEP_PX: usize = 520;
+const TILES: usize = 7;
+const TILE_SIDE: usize = 768;
+const CROP_SIDE: usize = 448;
+
+/// From a JPEG in memory to the tensors of its tiles and of crops; nothing where the inputs could not be made.
+fn pictures(data: &Path) -> Result<Vec<Value>> {
+    let path = data.join("pano.jpg");
+    if !path.exists() {
+        return Ok(Vec::new());
+    }
+    let bytes = fs::read(path)?;
+    let image = decode_image(&bytes)?;
+    let crops: Vec<[usize; 4]> = serde_json::from_slice(&fs::read(data.join("crops.json"))?)?;
+    let crops: Vec<Region> = crops
+        .iter()
+        .map(|&[x_px, y_px, width_px, height_px]| Region { x_px, y_px, width_px, height_px })
+        .collect();
+    let whole = Region::whole(&image);
+    let tile = |at: usize| Region { x_px: at * TILE_STEP_PX, width_px: TILE_PX, ..whole };
+    let tiles: Vec<Region> = (0..TILES).map(tile).collect();
+    let mut of_tiles = Tensors::new(TILE_SIDE, tiles.len());
+    let mut of_crops = Tensors::new(CROP_SIDE, crops.len());
+    of_tiles.fill(&image, &tiles);
+    of_crops.fill(&image, &crops);
+    of_tiles.check(&image, &tiles)?;
+    of_crops.check(&image, &crops)?;
+    let mut both =
+        || of_tiles.fill(&decode_image(&bytes).unwrap_or_else(|_| image.clone()), &tiles);
+    let decoded = row("decode + 7 tiles", &mut both);
+    Ok(vec![
+        row("decode 3760x480", || drop(black_box(decode_image(&bytes)))),
+        row("7 tiles -> 768^2 norm (no decode)", || of_tiles.fill(&image, &tiles)),
+        decoded,
+        row("30 crops -> 448^2 norm (no decode)", || of_crops.fill(&image, &crops)),
+    ])
+}
+
+/// Square tensors, one behind the other, whose memory is used again.
+struct Tensors {
+    resizer: Resizer,
+    side: usize,
+    numbers: Vec<f32>,
+}
+
+impl Tensors {
+    fn new(side: usize, count: usize) -> Self {
+        let resizer = Resizer::new(Filter::Bilinear, side, side);
+        Self { resizer, side, numbers: vec![0.0; 3 * side * side * count] }
+    }
+
+    fn fill(&mut self, image: &Image, regions: &[Region]) {
+        let tensors = self.numbers.chunks_exact_mut(3 * self.side * self.side);
+        for (region, tensor) in regions.iter().zip(tensors) {
+            self.resizer.tensor(image, *region, &Normalise::IMAGENET, Layout::Chw, tensor);
+        }
+        black_box(&self.numbers);
+    }
+
+    /// Every number is that of a pixel of the region, cut out first and scaled alone.
+    fn check(&self, image: &Image, regions: &[Region]) -> Result<()> {
+        let plane = self.side * self.side;
+        for (region, tensor) in regions.iter().zip(self.numbers.chunks_exact(3 * plane)) {
+            let mut crop = Image::filled(region.width_px, region.height_px, [0; 3]);
+            for (at, pixel) in crop.rgb.as_chunks_mut::<3>().0.iter_mut().enumerate() {
+                let (x, y) = (at % region.width_px, at / region.width_px);
+                *pixel = image.pixel(region.x_px + x, region.y_px + y);
+            }
+            let scaled = resize(&crop, self.side, self.side, Filter::Bilinear);
+            let expected = |at: usize| {
+                Normalise::IMAGENET.value(scaled.rgb[at % plane * 3 + at / plane], at / plane)
+            };
+            let wrong = (0..3 * plane).find(|&at| tensor[at] != expected(at));
+            ensure!(wrong.is_none(), "number {wrong:?} of {region:?} is not that of its pixel");
+        }
+        Ok(())
+    }
 }
 
 // A real frame.

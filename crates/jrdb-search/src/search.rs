@@ -133,8 +133,9 @@ fn chosen(searcher: &Searcher<'_, '_>, query: &Query, evaluated: &Evaluated<'_>)
 
 /// Nodes that match a pattern, its pick included, where nobody need be meant: by the best values.
 pub(crate) fn by_sets(searcher: &Searcher<'_, '_>, pattern: &Pattern) -> BitSet {
-    let strict = searcher.with(MatchPolicy::Strict);
-    let searcher = if searcher.config.policy == MatchPolicy::Ranked { &strict } else { searcher };
+    if searcher.config.policy == MatchPolicy::Ranked {
+        return by_sets(&searcher.with(MatchPolicy::Strict), pattern);
+    }
     if searcher.index.node_count() == searcher.index.size() {
         return searcher.matches(pattern);
     }

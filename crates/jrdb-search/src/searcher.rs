@@ -44,23 +44,31 @@ impl<'i, 'a> Searcher<'i, 'a> {
     }
 
     /// The numbers of a kind; none for the robot, which is no node.
+    #[inline]
     pub(crate) fn kind(&self, category: &Category) -> Cow<'i, BitSet> {
+        match category {
+            Category::Person => Cow::Borrowed(self.index.columns().people()),
+            other => Cow::Owned(self.other_kind(other)),
+        }
+    }
+
+    fn other_kind(&self, category: &Category) -> BitSet {
         let size = self.index.size();
         let people = self.index.columns().people();
         match category {
-            Category::Person => Cow::Borrowed(people),
-            Category::Anything => Cow::Owned(BitSet::below(size, size)),
-            Category::Robot => Cow::Owned(BitSet::new(size)),
+            Category::Person => people.clone(),
+            Category::Anything => BitSet::below(size, size),
+            Category::Robot => BitSet::new(size),
             Category::Object => {
                 let mut objects = BitSet::below(size, size);
                 objects.subtract(people);
-                Cow::Owned(objects)
+                objects
             }
             Category::Class(name) => {
                 let mut set = BitSet::new(size);
                 let is_meant = |n| self.class(n).is_some_and(|found| object::may_be(found, name));
                 (0..size).filter(|&n| is_meant(n)).for_each(|n| set.insert(n));
-                Cow::Owned(set)
+                set
             }
         }
     }

@@ -7,6 +7,8 @@ use jrdb_types::query::{Category, Place, RelationKind, Viewpoint};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Direction, DistanceWord, Pattern, Quantity, Related};
 
+use smallvec::SmallVec;
+
 use crate::link::{Kinds, Link, Partner};
 use crate::measure::Comparison;
 use crate::place;
@@ -15,6 +17,12 @@ use crate::value::Truth;
 
 /// Numbers that fit into a majority's counter; more conditions than a question can have.
 const COUNTER_BITS: usize = 32;
+
+/// The same for the conditions of most questions, up to seven.
+const SMALL_COUNTER_BITS: usize = 3;
+
+/// Who has each of some attributes.
+type Sets<'s> = SmallVec<[Cow<'s, BitSet>; 4]>;
 
 impl<'i> Searcher<'i, '_> {
     /// Those that match a pattern: strictly under `strict`, else by the paper's two phases.
@@ -29,6 +37,9 @@ impl<'i> Searcher<'i, '_> {
     fn unpicked(&self, pattern: &Pattern) -> BitSet {
         let mut found = self.enough(pattern, |condition, within| self.yes(condition, within));
         for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
+            if found.is_empty() {
+                break;
+            }
             found = self.narrowed(found, relation);
         }
         found
@@ -51,22 +62,28 @@ impl<'i> Searcher<'i, '_> {
         let kind = self.kind(&pattern.category);
         let attributes = || pattern.conditions.iter().filter(|c| !c.is_relation());
         let mut found = BitSet::clone(&kind);
-        if self.config.policy == MatchPolicy::Strict || attributes().count() <= 2 {
+        if self.config.policy == MatchPolicy::Strict || attributes().nth(2).is_none() {
             attributes().for_each(|attribute| found.intersect(&having(attribute, &kind)));
         } else {
-            let sets: Vec<Cow<'_, BitSet>> = attributes().map(|a| having(a, &kind)).collect();
+            let sets: Sets<'_> = attributes().map(|a| having(a, &kind)).collect();
             more_than_half(&mut found, &sets);
         }
         found
     }
 
     /// Those of `within` for which a condition holds; others may be in the set or not where a condition is an attribute.
+    #[inline]
     fn yes(&self, condition: &Condition, within: &BitSet) -> Cow<'i, BitSet> {
-        if let Some((yes, _)) = self.column(condition) {
-            return Cow::Borrowed(yes);
+        match self.column(condition) {
+            Some((yes, _)) => Cow::Borrowed(yes),
+            None => Cow::Owned(self.looked_up(condition, within)),
         }
+    }
+
+    /// The same for what is in no column of the index.
+    fn looked_up(&self, condition: &Condition, within: &BitSet) -> BitSet {
         let truth = |truth: &dyn Fn(usize) -> Truth| retained(within, |n| truth(n).holds());
-        Cow::Owned(match condition {
+        match condition {
             Condition::FromRobot(place) => truth(&|n| self.place_truth(n, place)),
             Condition::GroupSize(quantity) => truth(&|n| self.group_truth(n, *quantity)),
             Condition::Related(related) => self.related(related, within),
@@ -96,7 +113,7 @@ impl<'i> Searcher<'i, '_> {
             | Condition::Gender(_)
             | Condition::Race(_)
             | Condition::Action(_) => BitSet::new(within.size()),
-        })
+        }
     }
 
     /// Those of `within` for which a condition is known not to hold.
@@ -157,6 +174,7 @@ impl<'i> Searcher<'i, '_> {
     }
 
     /// The sets that the index has ready: who has the value, and of whom it is known.
+    #[inline]
     fn column(&self, condition: &Condition) -> Option<(&'i BitSet, &'i BitSet)> {
         let columns = self.index.columns();
         match condition {
@@ -288,23 +306,29 @@ fn retained(within: &BitSet, holds: impl FnMut(usize) -> bool) -> BitSet {
     kept
 }
 
-/// Keeps those that are in more than half of the sets: 64 counters at once, one bit of each in a word.
+/// Keeps those that are in more than half of the sets.
 fn more_than_half(found: &mut BitSet, sets: &[Cow<'_, BitSet>]) {
+    match sets.len() >> SMALL_COUNTER_BITS {
+        0 => keep_majority::<SMALL_COUNTER_BITS>(found, sets),
+        _ => keep_majority::<COUNTER_BITS>(found, sets),
+    }
+}
+
+/// The same with 64 counters at once, one bit of each in a word.
+fn keep_majority<const BITS: usize>(found: &mut BitSet, sets: &[Cow<'_, BitSet>]) {
     let needed = sets.len() / 2 + 1;
-    let bits = (usize::BITS - sets.len().leading_zeros()) as usize;
-    let bits = bits.min(COUNTER_BITS);
     for (place, word) in found.words_mut().iter_mut().enumerate() {
         if *word == 0 {
             continue;
         }
-        let mut counters = [0_u64; COUNTER_BITS];
+        let mut counters = [0_u64; BITS];
         for set in sets {
             let mut carry = set.words()[place];
-            for counter in &mut counters[..bits] {
+            for counter in &mut counters {
                 (*counter, carry) = (*counter ^ carry, *counter & carry);
             }
         }
-        *word &= at_least(&counters[..bits], needed);
+        *word &= at_least(&counters, needed);
     }
 }
 

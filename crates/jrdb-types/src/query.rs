@@ -315,6 +315,14 @@ impl Condition {
     pub fn is_relation(&self) -> bool {
         match self {
             Self::Related(_) | Self::Compared(_) | Self::Is(_) => true,
+            Self::Not(_) | Self::Any(_) | Self::All(_) => self.has_relations(),
+            _ => false,
+        }
+    }
+
+    /// The same of a condition that is made of others: apart, so that the common case needs no call.
+    fn has_relations(&self) -> bool {
+        match self {
             Self::Not(inner) => inner.is_relation(),
             Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::is_relation),
             _ => false,

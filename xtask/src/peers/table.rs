@@ -19,7 +19,7 @@ enum Gate {
 }
 
 /// A case as the results name it, as we print it, and what is asked of it.
-const CASES: [(&str, &str, Gate); 23] = [
+const CASES: [(&str, &str, Gate); 27] = [
     ("N=131072 M=10", "131072 points, 10 boxes", Gate::TimesWithin(10.0, 1.0)),
     ("N=131072 M=50", "131072 points, 50 boxes", Gate::Nothing),
     ("N=131072 M=100", "131072 points, 100 boxes", Gate::TimesWithin(4.0, 3.0)),
@@ -42,6 +42,10 @@ const CASES: [(&str, &str, Gate); 23] = [
     ("index n=200", "index of 200", Gate::Times(5.0)),
     ("index n=2000", "index of 2000", Gate::Times(5.0)),
     ("parse", "parse a question", Gate::Times(5.0)),
+    ("decode 3760x480", "decode a panorama", Gate::Nothing),
+    ("7 tiles -> 768^2 norm (no decode)", "its 7 tiles as tensors", Gate::Nothing),
+    ("decode + 7 tiles", "panorama to 7 tensors", Gate::Times(2.0)),
+    ("30 crops -> 448^2 norm (no decode)", "30 crops as tensors", Gate::Nothing),
     ("real frame", "a real frame to entities", Gate::Within(3.0)),
 ];
 

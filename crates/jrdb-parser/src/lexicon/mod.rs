@@ -54,7 +54,7 @@ impl Entry {
 struct Step {
     from: u16,
     word: u16,
-    /// 0 where the slot is free: nothing leads to the node of the unknown words.
+    /// 0 where the slot is free: nothing leads to a first word.
     to: u16,
 }
 
@@ -79,20 +79,36 @@ pub(crate) mod special {
 /// Slots of the tables of words and of steps; a power of two well over the number of either.
 const SLOTS: usize = 8192;
 
+/// Numbers of nodes from here on are of those behind the second word of a phrase and later ones.
+const FURTHER: u16 = 1 << 15;
+
+/// A place in the tree of phrases.
+#[derive(Debug, Clone, Copy, Default)]
+struct Node {
+    /// The entry of the phrase that ends here, [`special::UNKNOWN`] where none does.
+    entry: u16,
+    /// The [`bit`]s of the words that lead on from here: most lead nowhere.
+    next: u64,
+}
+
+/// A word's part in a set that may hold others too.
+fn bit(word: u16) -> u64 {
+    1 << (u32::from(word) % u64::BITS)
+}
+
 /// Phrases and what they mean.
 pub(crate) struct Lexicon {
     entries: Vec<Entry>,
     words: Vec<&'static str>,
-    /// The [`key`] of each word.
-    keys: Vec<u128>,
+    keys: Vec<Key>,
     /// Word numbers by their keys, [`special::UNKNOWN`] where free.
-    slots: Vec<u16>,
-    /// The node of the phrases that begin with a word, by its number.
-    first: Vec<u16>,
+    slots: Box<[u16; SLOTS]>,
+    /// Where the phrases begin, by the number of their first word, which is also that of the node.
+    first: Vec<Node>,
+    /// The other nodes; their numbers begin at [`FURTHER`].
+    further: Vec<Node>,
     /// Steps between nodes by node and word.
-    steps: Vec<Step>,
-    /// The entry of the phrase that ends at a node, [`special::UNKNOWN`] where none does.
-    ends: Vec<u16>,
+    steps: Box<[Step; SLOTS]>,
 }
 
 /// The lexicon of the crate.
@@ -100,34 +116,44 @@ pub(crate) static LEXICON: LazyLock<Lexicon> =
     LazyLock::new(|| read::read(include_str!("lexicon.txt")).expect("the tests read this file"));
 
 /// Letters of the longest word that can be known.
-const LETTERS_MAX: usize = 16;
+pub(crate) const LETTERS_MAX: usize = 16;
 
-/// The letters of the word of so many bytes that a text begins with, without regard to case, as one number; none for an
-/// empty word and for one that is too long to be known.
-#[inline]
-fn key(text: &[u8], length: usize) -> Option<u128> {
-    let unused = LETTERS_MAX.checked_sub(length)?;
-    let mut letters = text.first_chunk().copied().unwrap_or_else(|| {
+/// The letters of a word without regard to case, as one number; 0 for an empty word and for one that is too long to be known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Key(u128);
+
+impl Key {
+    /// The key of the word of so many bytes that a text begins with.
+    pub(crate) fn of(text: &[u8], length: usize) -> Self {
         let mut letters = [0; LETTERS_MAX];
-        letters[..text.len()].copy_from_slice(text);
-        letters
-    });
-    letters.make_ascii_lowercase();
-    // What stands behind the word is shifted out.
-    u128::from_le_bytes(letters).checked_shl(unused as u32 * u8::BITS)
+        if let (Some(to), Some(word)) = (letters.get_mut(..length), text.get(..length)) {
+            to.copy_from_slice(word);
+        }
+        letters.make_ascii_lowercase();
+        Self(u128::from_le_bytes(letters))
+    }
+
+    /// The key of a word by its first eight letters and those behind, in lower case, each with zeros behind it.
+    pub(crate) fn from_halves(first: u64, second: u64) -> Self {
+        Self(u128::from(second) << u64::BITS | u128::from(first))
+    }
+
+    fn hash(self) -> usize {
+        hash(self.0 as u64 ^ (self.0 >> u64::BITS) as u64)
+    }
 }
 
 /// 2^64 over the golden ratio: the top bits of a product with it depend on all bits of the other factor.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The slot of a key: the first that will do, from its hash on.
-fn slot_of(key: u64, will_do: impl Fn(usize) -> bool) -> usize {
-    let hash = key.wrapping_mul(GOLDEN) >> (u64::BITS - SLOTS.ilog2());
-    let mut slot = hash as usize;
-    while !will_do(slot) {
-        slot = (slot + 1) % SLOTS;
-    }
-    slot
+/// The slot where to look for a number first.
+fn hash(number: u64) -> usize {
+    (number.wrapping_mul(GOLDEN) >> (u64::BITS - SLOTS.ilog2())) as usize
+}
+
+/// The slot behind another.
+fn behind(slot: usize) -> usize {
+    (slot + 1) % SLOTS
 }
 
 impl Lexicon {
@@ -138,10 +164,11 @@ impl Lexicon {
         for (entry, kind) in entries.iter_mut().zip(kinds) {
             entry.roles.insert(kind);
         }
-        let (words, keys) = (vec![""; count], vec![0; count]);
-        let (slots, steps) = (vec![special::UNKNOWN; SLOTS], vec![Step::default(); SLOTS]);
-        let first: Vec<u16> = (0..special::COUNT).collect();
-        Self { entries, words, keys, slots, ends: first.clone(), first, steps }
+        let (words, keys) = (vec![""; count], vec![Key(0); count]);
+        let (slots, steps) =
+            (Box::new([special::UNKNOWN; SLOTS]), Box::new([Step::default(); SLOTS]));
+        let first = (0..special::COUNT).map(|entry| Node { entry, next: 0 }).collect();
+        Self { entries, words, keys, slots, first, further: Vec::new(), steps }
     }
 
     pub(crate) fn entry(&'static self, number: u16) -> &'static Entry {
@@ -150,37 +177,43 @@ impl Lexicon {
 
     /// The number of a word, [`special::UNKNOWN`] when it is in no phrase.
     pub(crate) fn word(&self, word: &str) -> u16 {
-        self.first_word(word.as_bytes(), word.len())
+        self.number(Key::of(word.as_bytes(), word.len()))
     }
 
-    /// The number of the word of so many bytes that a text begins with, [`special::UNKNOWN`] when it is in no phrase.
+    /// The number of the word with a key, [`special::UNKNOWN`] when it is in no phrase.
     #[inline]
-    pub(crate) fn first_word(&self, text: &[u8], length: usize) -> u16 {
-        key(text, length).map_or(special::UNKNOWN, |key| self.slots[self.slot(key)])
+    pub(crate) fn number(&self, key: Key) -> u16 {
+        self.slots[self.slot(key)]
     }
 
     /// The slot of a word, or the free one where it would be.
-    fn slot(&self, key: u128) -> usize {
-        slot_of(key as u64 ^ (key >> u64::BITS) as u64, |slot| {
+    fn slot(&self, key: Key) -> usize {
+        let mut slot = key.hash();
+        loop {
             let number = self.slots[slot];
-            number == special::UNKNOWN || self.keys[usize::from(number)] == key
-        })
+            if number == special::UNKNOWN || self.keys[usize::from(number)] == key {
+                return slot;
+            }
+            slot = behind(slot);
+        }
     }
 
     /// The slot of a step, or the free one where it would be.
     fn step(&self, from: u16, word: u16) -> usize {
-        slot_of(u64::from(from) << u16::BITS | u64::from(word), |slot| {
+        let mut slot = hash(u64::from(from) << u16::BITS | u64::from(word));
+        loop {
             let step = self.steps[slot];
-            step.to == 0 || (step.from, step.word) == (from, word)
-        })
+            if step.to == 0 || (step.from, step.word) == (from, word) {
+                return slot;
+            }
+            slot = behind(slot);
+        }
     }
 
     /// Whether two words mean the same thing: "woman" and "women".
     pub(crate) fn is_same(&self, first: &str, second: &str) -> bool {
-        let entry = |word: &str| {
-            let node = self.first[usize::from(self.word(word))];
-            &self.entries[usize::from(self.ends[usize::from(node)])]
-        };
+        let entry =
+            |word: &str| &self.entries[usize::from(self.first[usize::from(self.word(word))].entry)];
         let (first, second) = (entry(first), entry(second));
         let both = [first, second]
             .map(|e| (e.roles.of_meaning(), &e.category, &e.says, &e.object, &e.people));
@@ -192,19 +225,24 @@ impl Lexicon {
         &self.words[usize::from(special::COUNT)..]
     }
 
-    /// The longest phrase that the pieces begin with: its entry, and how many pieces it has.
+    /// The longest phrase that begins with a word and goes on with the pieces behind it: its entry, and how many of these
+    /// belong to it.
     #[inline]
-    pub(crate) fn longest(&self, pieces: &[Piece]) -> (u16, usize) {
-        let mut node = self.first[usize::from(pieces[0].word)];
-        let mut found = (self.ends[usize::from(node)], 1);
-        for (at, piece) in pieces.iter().enumerate().skip(1) {
-            node = self.steps[self.step(node, piece.word)].to;
-            if node == 0 {
+    pub(crate) fn longest(&self, first: u16, behind: &[Piece]) -> (u16, usize) {
+        let mut at = first;
+        let mut node = &self.first[usize::from(first)];
+        let mut found = (node.entry, 0);
+        for (index, piece) in behind.iter().enumerate() {
+            if node.next & bit(piece.word) == 0 {
                 break;
             }
-            let entry = self.ends[usize::from(node)];
-            if entry != special::UNKNOWN {
-                found = (entry, at + 1);
+            at = self.steps[self.step(at, piece.word)].to;
+            if at == 0 {
+                break;
+            }
+            node = &self.further[usize::from(at - FURTHER)];
+            if node.entry != special::UNKNOWN {
+                found = (node.entry, index + 1);
             }
         }
         found
@@ -212,41 +250,50 @@ impl Lexicon {
 
     /// The number of a word, made where there is none; none when it is too long.
     fn intern(&mut self, word: &'static str) -> Option<u16> {
-        let key = key(word.as_bytes(), word.len())?;
+        if !(1..=LETTERS_MAX).contains(&word.len()) {
+            return None;
+        }
+        let key = Key::of(word.as_bytes(), word.len());
         let slot = self.slot(key);
         if self.slots[slot] == special::UNKNOWN {
             let number = u16::try_from(self.words.len()).expect("the file has fewer words");
             self.slots[slot] = number;
             self.words.push(word);
             self.keys.push(key);
-            let node = self.node();
-            self.first.push(node);
+            self.first.push(Node::default());
         }
         Some(self.slots[slot])
     }
 
-    /// A new node, where no phrase ends yet.
-    fn node(&mut self) -> u16 {
-        self.ends.push(special::UNKNOWN);
-        u16::try_from(self.ends.len() - 1).expect("the file has fewer phrases")
-    }
-
     /// The entry of a phrase, made where there is none.
     fn phrase(&mut self, words: &[u16]) -> &mut Entry {
-        let mut node = self.first[usize::from(words[0])];
+        let mut at = words[0];
         for word in &words[1..] {
-            let slot = self.step(node, *word);
+            self.node(at).next |= bit(*word);
+            let slot = self.step(at, *word);
             if self.steps[slot].to == 0 {
-                self.steps[slot] = Step { from: node, word: *word, to: self.node() };
+                let further =
+                    u16::try_from(self.further.len()).expect("the file has fewer phrases");
+                self.further.push(Node::default());
+                self.steps[slot] = Step { from: at, word: *word, to: FURTHER + further };
             }
-            node = self.steps[slot].to;
+            at = self.steps[slot].to;
         }
-        let end = &mut self.ends[usize::from(node)];
-        if *end == special::UNKNOWN {
-            *end = u16::try_from(self.entries.len()).expect("the file has fewer phrases");
+        let count = u16::try_from(self.entries.len()).expect("the file has fewer phrases");
+        let node = self.node(at);
+        if node.entry == special::UNKNOWN {
+            node.entry = count;
             self.entries.push(Entry::default());
         }
-        &mut self.entries[usize::from(*end)]
+        let entry = self.node(at).entry;
+        &mut self.entries[usize::from(entry)]
+    }
+
+    fn node(&mut self, at: u16) -> &mut Node {
+        match at.checked_sub(FURTHER) {
+            Some(further) => &mut self.further[usize::from(further)],
+            None => &mut self.first[usize::from(at)],
+        }
     }
 }
 
@@ -255,9 +302,10 @@ mod tests {
     use super::*;
 
     fn entry(phrase: &str) -> &'static Entry {
-        let pieces = crate::words::pieces(phrase, &mut Vec::new());
-        let (entry, length) = LEXICON.longest(&pieces);
-        assert_eq!(length, pieces.len(), "{phrase}");
+        let mut pieces = crate::words::Pieces::new();
+        crate::words::split_known(phrase, &mut pieces, &mut Vec::new());
+        let (entry, more) = LEXICON.longest(pieces[0].word, &pieces[1..]);
+        assert_eq!(more + 1, pieces.len(), "{phrase}");
         LEXICON.entry(entry)
     }
 
@@ -282,7 +330,7 @@ mod tests {
         let man = LEXICON.word("man");
         assert_ne!(man, special::UNKNOWN);
         for text in ["MAN", "man, who", "Man at the door with a bag"] {
-            assert_eq!(LEXICON.first_word(text.as_bytes(), 3), man, "{text}");
+            assert_eq!(LEXICON.number(Key::of(text.as_bytes(), 3)), man, "{text}");
         }
         assert_ne!(LEXICON.word("CounterClockwise"), special::UNKNOWN);
         for word in ["", "manners", "counterclockwises"] {

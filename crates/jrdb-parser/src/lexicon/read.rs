@@ -36,7 +36,7 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
     for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
         let (phrases, meanings) = line.split_once(" -> ").ok_or(line)?;
         for phrase in phrases.split(", ") {
-            let pieces = words::split(phrase).map(|piece| lexicon.piece(phrase, &piece));
+            let pieces = words::split(phrase).map(|(piece, _)| lexicon.piece(phrase, piece));
             let numbers: Vec<u16> = pieces.collect::<Option<_>>().ok_or(line)?;
             if numbers.is_empty() {
                 return Err(line.to_owned());
@@ -54,7 +54,7 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
 }
 
 impl Lexicon {
-    fn piece(&mut self, phrase: &'static str, piece: &words::Piece) -> Option<u16> {
+    fn piece(&mut self, phrase: &'static str, piece: words::Piece) -> Option<u16> {
         if piece.word < super::special::COUNT && piece.word != super::special::UNKNOWN {
             return Some(piece.word);
         }

@@ -208,6 +208,11 @@ impl Roles {
         self.0 & roles.0 != 0
     }
 
+    /// The roles of both sets.
+    pub(crate) const fn and(self, roles: Self) -> Self {
+        Self(self.0 | roles.0)
+    }
+
     /// The set without the number of a noun: "woman" and "women" mean the same.
     pub(super) const fn of_meaning(self) -> Self {
         Self(self.0 & !(1 << Role::Plural as u64 | 1 << Role::Singular as u64))

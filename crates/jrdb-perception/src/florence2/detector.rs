@@ -9,6 +9,7 @@ use super::{Florence2, Task};
 use crate::detector::{Detector, PerceptionError, check_image};
 use crate::merge::{Candidate, MergeConfig, merge};
 use crate::numbered::{category, numbered};
+use crate::resize::Region;
 use crate::tiles::{Tile, tiles};
 
 /// How things are looked for.
@@ -87,13 +88,19 @@ impl FlorenceDetector {
         Ok(Self { model, config, task, first_location })
     }
 
-    /// The boxes that the model sees in a picture, in pixels of it, as it said them.
+    /// The boxes that the model sees in a part of a picture, in pixels of that part, as it said them.
     ///
     /// # Errors
     /// When the picture has no pixels or a graph fails.
-    pub fn look(&self, picture: &Image) -> Result<Vec<Said>, PerceptionError> {
-        let reply = self.model.ask(picture, &self.task)?;
-        let size_px = [picture.width as f64, picture.height as f64];
+    ///
+    /// # Panics
+    /// When the part is not in the picture.
+    pub fn look(&self, image: &Image, part: Region) -> Result<Vec<Said>, PerceptionError> {
+        check_image(image)?;
+        let config = self.model.config();
+        let seen = self.model.see(&config.picture.prepare_part(image, part))?;
+        let reply = self.model.ask_again(&seen, &self.task, &config.decode)?;
+        let size_px = [part.width_px as f64, part.height_px as f64];
         let found = said(&reply.sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
         found.into_iter().map(|one| one.labelled(label)).collect()
@@ -105,10 +112,6 @@ impl FlorenceDetector {
         }
         let width_px = (self.config.tile_aspect * f64::from(image.height_px)).round() as u32;
         tiles(image, width_px, self.config.tile_overlap)
-    }
-
-    fn look_at_tile(&self, image: &Image, tile: Tile) -> Result<Vec<Said>, PerceptionError> {
-        self.look(&tile.crop(image))
     }
 }
 
@@ -122,7 +125,7 @@ impl Detector for FlorenceDetector {
         };
         let tiles = self.tiles(geometry);
         let looks: Vec<Result<Vec<Said>, _>> =
-            tiles.par_iter().map(|tile| self.look_at_tile(image, *tile)).collect();
+            tiles.par_iter().map(|tile| self.look(image, Region::of_tile(*tile, image))).collect();
         let mut candidates = Vec::new();
         for (tile, look) in tiles.iter().zip(looks) {
             candidates.extend(look?.into_iter().filter_map(|one| candidate(one, *tile)));

@@ -64,6 +64,7 @@ impl CanvasConfig {
             image_mean: file.image_mean,
             image_std: file.image_std,
         };
+        picture.check()?;
         let least = size.width.min(size.height);
         if shortest_px == 0 || longest_px > least {
             let expected = "a canvas at least as large as the longest edge";
@@ -104,7 +105,7 @@ impl CanvasConfig {
     pub fn prepare(&self, image: &Image) -> Canvas {
         let size = [image.width, image.height];
         let [width, height] = Self::resized(size, self.shortest_px, self.longest_px);
-        let small = self.picture.normalise(&resize(image, width, height, self.picture.filter()));
+        let small = self.picture.planes(&resize(image, width, height, self.picture.filter()));
         let canvas = self.picture.size;
         let area = canvas.width * canvas.height;
         let (mut pixels, mut mask) = (vec![0.0; 3 * area], vec![0; area]);

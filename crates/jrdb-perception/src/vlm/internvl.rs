@@ -100,7 +100,7 @@ impl InternVlConfig {
     pub fn prepare(&self, image: &Image) -> Tensor {
         let [side_x, side_y] = [self.picture.size.width, self.picture.size.height];
         let tiles = tiles_of(image, self.tiles, [side_x, side_y], self.picture.filter());
-        let prepared: Vec<_> = tiles.iter().map(|tile| self.picture.normalise(tile)).collect();
+        let prepared: Vec<_> = tiles.iter().map(|tile| self.picture.planes(tile)).collect();
         self.picture.tensor(&prepared)
     }
 

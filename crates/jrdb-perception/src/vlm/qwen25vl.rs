@@ -113,18 +113,20 @@ impl Qwen25VlConfig {
                 found: file.patch_size as f64,
             });
         }
+        let picture = PictureConfig {
+            size: PictureSize { height: 1, width: 1 },
+            resample: file.resample,
+            rescale_factor: file.rescale_factor,
+            image_mean: file.image_mean,
+            image_std: file.image_std,
+        };
+        picture.check()?;
         Ok(Self {
             pixels: [file.min_pixels, file.max_pixels],
             patch_px: file.patch_size,
             merge: file.merge_size,
             frames: file.temporal_patch_size,
-            picture: PictureConfig {
-                size: PictureSize { height: 1, width: 1 },
-                resample: file.resample,
-                rescale_factor: file.rescale_factor,
-                image_mean: file.image_mean,
-                image_std: file.image_std,
-            },
+            picture,
             cache_heads: text.num_key_value_heads,
             cache_width: text.hidden_size / text.num_attention_heads.max(1),
             image_token: model.image_token_id,
@@ -190,7 +192,7 @@ impl Qwen25VlConfig {
     pub fn prepare(&self, image: &Image) -> Result<Patches, PerceptionError> {
         let [width, height] = self.resized([image.width, image.height])?;
         let small = resize(image, width, height, self.picture.filter());
-        let values = self.picture.normalise(&small);
+        let values = self.picture.planes(&small);
         let [columns, rows] = [width / self.patch_px, height / self.patch_px];
         let mut data = Vec::with_capacity(values.len() * self.frames);
         for token_row in 0..rows / self.merge {

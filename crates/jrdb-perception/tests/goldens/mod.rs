@@ -30,12 +30,7 @@ pub(crate) fn json(folder: &Path, file: &str) -> Value {
 }
 
 pub(crate) fn png(path: &Path) -> Image {
-    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
-    let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut rgb).unwrap();
-    assert_eq!(info.color_type, png::ColorType::Rgb);
-    Image { width: info.width as usize, height: info.height as usize, rgb }
+    jrdb_dataset::decode_image(&std::fs::read(path).unwrap()).unwrap()
 }
 
 /// An engine of either kind.
