@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Result;
-use jrdb_perception::florence2::{DecoderParts, Florence2, Florence2Config, Florence2Parts, Task};
-use jrdb_perception::tokens::Tokens;
+use jrdb_perception::florence2::{Florence2, Task};
+use jrdb_pipeline::backbone::{Graphs, florence2};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions, Loader};
 use jrdb_pipeline::profile::Profile;
 use jrdb_pipeline::synth::practice;
@@ -27,13 +27,14 @@ fn main() -> Result<()> {
         "{:<14} {:>8} {:>14} {:>14} {:>10}",
         "engine", "tokens", "engine, us", "ours, us", "overhead"
     );
+    let graphs = Graphs { folder: folder.clone(), variant: String::new() };
     for choice in [EngineChoice::Rten, EngineChoice::Ort] {
         let profile = Profile::default();
         let models = folder.clone();
         let options =
             EngineOptions { choice, library: None, profile: Some(profile.clone()), models };
         match Loader::new(&options) {
-            Ok(loader) => measure(&model(&folder, &loader)?, &profile)?,
+            Ok(loader) => measure(&florence2(&graphs, Path::new(""), &loader)?, &profile)?,
             Err(error) => println!("{choice:?}: {error}"),
         }
     }
@@ -75,27 +76,4 @@ fn measure(model: &Florence2, profile: &Profile) -> Result<()> {
 
 fn engine_s(profile: &Profile) -> f64 {
     profile.spent().values().map(|spent| spent.time.as_secs_f64()).sum()
-}
-
-fn model(folder: &Path, loader: &Loader) -> Result<Florence2> {
-    let text = |file: &str| std::fs::read_to_string(folder.join(file));
-    let graph = |name: &str| loader.open(&folder.join("onnx").join(format!("{name}.onnx")));
-    let config = Florence2Config::from_json(
-        &text("config.json")?,
-        &text("generation_config.json")?,
-        &text("preprocessor_config.json")?,
-        None,
-    )?;
-    let decoder = DecoderParts::Split {
-        first: graph("decoder_model")?,
-        next: graph("decoder_with_past_model")?,
-    };
-    Ok(Florence2::new(Florence2Parts {
-        config,
-        tokens: Tokens::from_json(&text("tokenizer.json")?)?,
-        vision_encoder: graph("vision_encoder")?,
-        embed_tokens: graph("embed_tokens")?,
-        encoder: graph("encoder_model")?,
-        decoder,
-    })?)
 }

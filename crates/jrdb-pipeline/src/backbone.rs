@@ -138,6 +138,21 @@ impl Backbone {
         serde_json::from_str(&text).map_err(wrong)
     }
 
+    /// The same models, looking at a picture as a single tile that does not wrap around.
+    #[must_use]
+    pub fn one_tile(&self) -> Self {
+        let mut single = self.clone();
+        match &mut single.detector {
+            DetectorFiles::Florence2 { settings, .. } => {
+                (settings.tile_aspect, settings.wraps) = (0.0, false);
+            }
+            DetectorFiles::GroundingDino { settings, .. } => {
+                (settings.tile_aspect, settings.wraps) = (0.0, false);
+            }
+        }
+        single
+    }
+
     /// Loads the models.
     ///
     /// # Errors
@@ -170,7 +185,10 @@ impl DetectorFiles {
     ) -> Result<Box<dyn Detector + Send + Sync>, Error> {
         Ok(match self {
             Self::Florence2 { graphs, settings } => {
-                Box::new(florence2(&Folder::new(models, graphs), loader, settings)?)
+                let model = florence2(graphs, models, loader)?;
+                let refused = Folder::new(models, graphs);
+                let detector = FlorenceDetector::new(model, settings.clone());
+                Box::new(detector.map_err(refused.refused())?)
             }
             Self::GroundingDino { graphs, settings } => {
                 Box::new(grounding_dino(&Folder::new(models, graphs), loader, settings)?)
@@ -181,20 +199,13 @@ impl DetectorFiles {
 
 impl AttributeFiles {
     fn open(&self, models: &Path, loader: &Loader) -> Result<VlmAttributes, Error> {
-        let (Self::Internvl { graphs, settings } | Self::Qwen25Vl { graphs, settings }) = self;
-        let folder = Folder::new(models, graphs);
-        let [config, generation, picture] = texts(&folder)?;
-        let family = match self {
-            Self::Internvl { .. } => {
-                InternVlConfig::from_json(&config, &generation, &picture).map(Family::InternVl)
-            }
-            Self::Qwen25Vl { .. } => {
-                Qwen25VlConfig::from_json(&config, &generation, &picture).map(Family::Qwen25Vl)
-            }
+        let ((vlm, family), settings) = match self {
+            Self::Internvl { graphs, settings } => (internvl(graphs, models, loader)?, settings),
+            Self::Qwen25Vl { graphs, settings } => (qwen25vl(graphs, models, loader)?, settings),
         };
-        let family = family.map_err(folder.refused())?;
-        let model = vlm(&folder, loader, &family)?;
-        VlmAttributes::new(model, family, settings.clone()).map_err(folder.refused())
+        let (Self::Internvl { graphs, .. } | Self::Qwen25Vl { graphs, .. }) = self;
+        let folder = Folder::new(models, graphs);
+        VlmAttributes::new(vlm, family, settings.clone()).map_err(folder.refused())
     }
 }
 
@@ -232,18 +243,15 @@ impl Folder {
     }
 }
 
-fn florence2(
-    folder: &Folder,
-    loader: &Loader,
-    settings: &FlorenceDetectorConfig,
-) -> Result<FlorenceDetector, Error> {
+/// The Florence-2 of a folder.
+///
+/// # Errors
+/// When a file is missing or unusable; it is named.
+pub fn florence2(graphs: &Graphs, models: &Path, loader: &Loader) -> Result<Florence2, Error> {
+    let folder = Folder::new(models, graphs);
+    let [config, generation, picture] = texts(&folder)?;
     let processor = folder.text("processor_config.json").ok();
-    let config = Florence2Config::from_json(
-        &folder.text("config.json")?,
-        &folder.text("generation_config.json")?,
-        &folder.text("preprocessor_config.json")?,
-        processor.as_deref(),
-    );
+    let config = Florence2Config::from_json(&config, &generation, &picture, processor.as_deref());
     // The merged graph holds the weights once; where the two single ones are there instead, they are as good.
     let decoder = match folder.graph("decoder_model_merged") {
         Ok(path) => DecoderParts::Merged(loader.open(&path)?),
@@ -263,8 +271,7 @@ fn florence2(
         encoder: folder.open("encoder_model", loader)?,
         decoder,
     });
-    let model = model.map_err(folder.refused())?;
-    FlorenceDetector::new(model, settings.clone()).map_err(folder.refused())
+    model.map_err(folder.refused())
 }
 
 fn grounding_dino(
@@ -288,16 +295,43 @@ fn texts(folder: &Folder) -> Result<[String; 3], Error> {
     ])
 }
 
-fn vlm(folder: &Folder, loader: &Loader, family: &Family) -> Result<Vlm, Error> {
+/// The InternVL of a folder, with its sizes and rules.
+///
+/// # Errors
+/// When a file is missing or unusable; it is named.
+pub fn internvl(graphs: &Graphs, models: &Path, loader: &Loader) -> Result<(Vlm, Family), Error> {
+    let folder = Folder::new(models, graphs);
+    let [config, generation, picture] = texts(&folder)?;
+    let family = InternVlConfig::from_json(&config, &generation, &picture).map(Family::InternVl);
+    vlm(&folder, loader, family)
+}
+
+/// The Qwen2.5-VL of a folder, with its sizes and rules.
+///
+/// # Errors
+/// When a file is missing or unusable; it is named.
+pub fn qwen25vl(graphs: &Graphs, models: &Path, loader: &Loader) -> Result<(Vlm, Family), Error> {
+    let folder = Folder::new(models, graphs);
+    let [config, generation, picture] = texts(&folder)?;
+    let family = Qwen25VlConfig::from_json(&config, &generation, &picture).map(Family::Qwen25Vl);
+    vlm(&folder, loader, family)
+}
+
+fn vlm(
+    folder: &Folder,
+    loader: &Loader,
+    family: Result<Family, PerceptionError>,
+) -> Result<(Vlm, Family), Error> {
+    let family = family.map_err(folder.refused())?;
     let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
     let vision = folder.open("vision_encoder", loader)?;
     let embed = folder.open("embed_tokens", loader)?;
     let decoder = folder.open("decoder_model_merged", loader)?;
-    let made = match family {
+    let made = match &family {
         Family::InternVl(config) => config.model(tokens, vision, embed, decoder),
         Family::Qwen25Vl(config) => config.model(tokens, vision, embed, decoder),
     };
-    made.map_err(folder.refused())
+    Ok((made.map_err(folder.refused())?, family))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ pub mod backbone;
 pub mod calib;
 pub mod draw;
 pub mod engine;
+pub mod exam;
 pub mod frame;
 pub mod motion;
 pub mod output;

@@ -25,6 +25,10 @@ pub(super) struct Decoder {
     own: Vec<String>,
     /// Those of what the encoder gave: `0.encoder.key`.
     cross: Vec<String>,
+    /// Names of all caches as inputs, those of the text first.
+    past: Vec<String>,
+    /// Names of the scores and of all caches as outputs, in the same order.
+    outputs: Vec<String>,
     heads: usize,
     head_width: usize,
 }
@@ -37,7 +41,8 @@ pub(super) struct State<'a> {
     cross: Vec<Held>,
     /// For how many sequences the mask and `cross` are repeated.
     rows: usize,
-    repeated_mask: Tensor,
+    repeated_mask: Option<Tensor>,
+    repeated_hidden: Option<Tensor>,
     repeated: Vec<Held>,
 }
 
@@ -66,7 +71,11 @@ impl Decoder {
                 known,
             });
         }
-        Ok(Self { parts, own, cross, heads, head_width })
+        let all = || own.iter().chain(&cross);
+        let past = all().map(|name| format!("{PAST}{name}")).collect();
+        let present = all().map(|name| format!("{PRESENT}{name}"));
+        let outputs = std::iter::once("logits".to_owned()).chain(present).collect();
+        Ok(Self { parts, past, outputs, own, cross, heads, head_width })
     }
 
     /// The beginning of a search.
@@ -77,7 +86,8 @@ impl Decoder {
             own: Vec::new(),
             cross: Vec::new(),
             rows: 0,
-            repeated_mask: mask.clone(),
+            repeated_mask: None,
+            repeated_hidden: None,
             repeated: Vec::new(),
         }
     }
@@ -107,20 +117,18 @@ impl Decoder {
     }
 
     fn first(&self, state: &State<'_>, embeds: &Tensor) -> Result<Vec<Held>, PerceptionError> {
-        let outputs = self.outputs([&self.own, &self.cross]);
         let mut inputs: Vec<(&str, Input<'_>)> = vec![
             ("encoder_attention_mask", state.mask.into()),
             ("encoder_hidden_states", state.hidden.into()),
             ("inputs_embeds", embeds.into()),
         ];
         match &self.parts {
-            DecoderParts::Split { first, .. } => run(&**first, &inputs, &outputs),
+            DecoderParts::Split { first, .. } => run(&**first, &inputs, &self.outputs),
             DecoderParts::Merged(merged) => {
                 let (empty, flag) = (self.empty(), truth(false));
-                let past = self.past([&self.own, &self.cross]);
-                inputs.extend(past.iter().map(|name| (name.as_str(), Input::from(&empty))));
+                inputs.extend(self.past.iter().map(|name| (name.as_str(), Input::from(&empty))));
                 inputs.push(("use_cache_branch", (&flag).into()));
-                run(&**merged, &inputs, &outputs)
+                run(&**merged, &inputs, &self.outputs)
             }
         }
     }
@@ -133,33 +141,24 @@ impl Decoder {
     ) -> Result<Vec<Held>, PerceptionError> {
         state.follow(rows, &self.own)?;
         state.repeat(rows.len(), &self.cross)?;
-        let outputs = self.outputs([&self.own, &[]]);
-        let past = self.past([&self.own, &self.cross]);
+        let outputs = &self.outputs[..=self.own.len()];
         let cross = if state.repeated.is_empty() { &state.cross } else { &state.repeated };
         let caches = state.own.iter().chain(cross);
         let mut inputs: Vec<(&str, Input<'_>)> = vec![
-            ("encoder_attention_mask", (&state.repeated_mask).into()),
+            ("encoder_attention_mask", state.repeated_mask.as_ref().unwrap_or(state.mask).into()),
             ("inputs_embeds", embeds.into()),
         ];
-        inputs.extend(past.iter().map(String::as_str).zip(caches.map(Input::from)));
+        inputs.extend(self.past.iter().map(String::as_str).zip(caches.map(Input::from)));
         match &self.parts {
-            DecoderParts::Split { next, .. } => run(&**next, &inputs, &outputs),
+            DecoderParts::Split { next, .. } => run(&**next, &inputs, outputs),
             DecoderParts::Merged(merged) => {
-                let (flag, hidden) = (truth(true), repeat(state.hidden, rows.len())?);
-                inputs.push(("encoder_hidden_states", (&hidden).into()));
+                let flag = truth(true);
+                let hidden = state.repeated_hidden.as_ref().unwrap_or(state.hidden);
+                inputs.push(("encoder_hidden_states", hidden.into()));
                 inputs.push(("use_cache_branch", (&flag).into()));
-                run(&**merged, &inputs, &outputs)
+                run(&**merged, &inputs, outputs)
             }
         }
-    }
-
-    fn outputs(&self, caches: [&[String]; 2]) -> Vec<String> {
-        let present = caches.concat().into_iter().map(|name| format!("{PRESENT}{name}"));
-        std::iter::once("logits".to_owned()).chain(present).collect()
-    }
-
-    fn past(&self, caches: [&[String]; 2]) -> Vec<String> {
-        caches.concat().into_iter().map(|name| format!("{PAST}{name}")).collect()
     }
 
     /// A cache of nothing.
@@ -187,7 +186,8 @@ impl State<'_> {
         }
         let pick = |(held, name): (&Held, &String)| held.pick(name, &vec![0; rows]);
         self.repeated = self.cross.iter().zip(names).map(pick).collect::<Result<_, _>>()?;
-        self.repeated_mask = repeat(self.mask, rows)?;
+        self.repeated_mask = Some(repeat(self.mask, rows));
+        self.repeated_hidden = Some(repeat(self.hidden, rows));
         self.rows = rows;
         Ok(())
     }
@@ -207,9 +207,9 @@ fn run(
 }
 
 /// A tensor `[1, ..]` so many times.
-fn repeat(tensor: &Tensor, rows: usize) -> Result<Tensor, PerceptionError> {
+fn repeat(tensor: &Tensor, rows: usize) -> Tensor {
     let longer = |shape: &[usize]| [&[rows], &shape[1..]].concat();
-    Ok(match tensor {
+    match tensor {
         Tensor::F32 { shape, data } => {
             Tensor::F32 { shape: longer(shape), data: data.repeat(rows) }
         }
@@ -219,11 +219,11 @@ fn repeat(tensor: &Tensor, rows: usize) -> Result<Tensor, PerceptionError> {
         Tensor::Bool { shape, data } => {
             Tensor::Bool { shape: longer(shape), data: data.repeat(rows) }
         }
-    })
+    }
 }
 
 /// The scores of the last place of each row, from f32 `[rows, places, vocabulary]`.
-pub(crate) fn last_rows(logits: &Held) -> Result<Logits, PerceptionError> {
+fn last_rows(logits: &Held) -> Result<Logits, PerceptionError> {
     let (shape, data) = logits.floats("logits")?;
     let &[_, places, vocabulary] = shape.as_slice() else {
         let expected = "f32 [rows, places, vocabulary]".into();

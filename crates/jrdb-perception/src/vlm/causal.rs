@@ -15,8 +15,10 @@ pub type Place = [i64; 3];
 /// A decoder that takes embeddings and caches of what it read before.
 pub(super) struct Causal {
     engine: Box<dyn Engine>,
-    /// Names of the caches without prefix: `0.key`.
-    caches: Vec<String>,
+    /// Names of the caches as inputs: `past_key_values.0.key`.
+    past: Vec<String>,
+    /// Names of the scores and of the caches as outputs, in the same order.
+    outputs: Vec<String>,
     heads: usize,
     head_width: usize,
     /// Whether tokens have places in rows and columns, too.
@@ -27,7 +29,6 @@ pub(super) struct Causal {
 #[derive(Debug)]
 pub struct Cache {
     held: Vec<Held>,
-    names: Vec<String>,
     /// How many tokens.
     length: usize,
     /// The place of the next one, which is smaller where a picture's tokens share places.
@@ -37,9 +38,8 @@ pub struct Cache {
 impl Cache {
     /// The same for so many rows.
     pub(super) fn repeated(&self, rows: usize) -> Result<Self, PerceptionError> {
-        let pick = |(held, name): (&Held, &String)| held.pick(name, &vec![0; rows]);
-        let held = self.held.iter().zip(&self.names).map(pick).collect::<Result<_, _>>()?;
-        Ok(Self { held, names: self.names.clone(), ..*self })
+        let pick = |held: &Held| held.pick("a cache", &vec![0; rows]);
+        Ok(Self { held: self.held.iter().map(pick).collect::<Result<_, _>>()?, ..*self })
     }
 }
 
@@ -50,20 +50,21 @@ impl Causal {
         head_width: usize,
         is_spatial: bool,
     ) -> Result<Self, PerceptionError> {
-        let names = engine.inputs().iter().filter_map(|name| name.strip_prefix(PAST));
-        let caches: Vec<String> = names.map(Into::into).collect();
-        let has = |name: &String| engine.outputs().contains(&format!("{PRESENT}{name}"));
-        if caches.is_empty() || !caches.iter().all(has) {
+        let caches = engine.inputs().iter().filter_map(|name| name.strip_prefix(PAST));
+        let past: Vec<String> = caches.clone().map(|name| format!("{PAST}{name}")).collect();
+        let present = caches.map(|name| format!("{PRESENT}{name}"));
+        let outputs: Vec<String> = std::iter::once("logits".to_owned()).chain(present).collect();
+        if past.is_empty() || !outputs.iter().all(|name| engine.outputs().contains(name)) {
             let known = [engine.inputs(), engine.outputs()].concat();
             let expected = "inputs past_key_values.* and an output present.* for each";
             return Err(PerceptionError::Graph { expected, known });
         }
-        Ok(Self { engine, caches, heads, head_width, is_spatial })
+        Ok(Self { engine, past, outputs, heads, head_width, is_spatial })
     }
 
     /// How many rows with such a cache fit into the memory that may be used.
     pub(super) fn rows_at_once(&self, cache: &Cache) -> usize {
-        let numbers = self.caches.len() * self.heads * self.head_width * cache.length;
+        let numbers = self.past.len() * self.heads * self.head_width * cache.length;
         CACHES_MAX / (size_of::<f32>() * numbers.max(1))
     }
 
@@ -87,7 +88,6 @@ impl Causal {
         let empty = self.empty(rows);
         let keep = Tensor::I64 { shape: Vec::new(), data: vec![wanted as i64] };
         let flag = Tensor::Bool { shape: vec![1], data: vec![before.is_some()] };
-        let past: Vec<String> = self.caches.iter().map(|name| format!("{PAST}{name}")).collect();
         let mut inputs: Vec<(&str, Input<'_>)> = vec![("inputs_embeds", embeds.into())];
         let optional = [
             ("attention_mask", &mask),
@@ -102,16 +102,14 @@ impl Causal {
                 .filter(|(name, _)| has(name))
                 .map(|(n, tensor)| (n, tensor.into())),
         );
-        for (index, name) in past.iter().enumerate() {
+        for (index, name) in self.past.iter().enumerate() {
             let held = before.and_then(|cache| cache.held.get(index));
             inputs.push((name, held.map_or_else(|| (&empty).into(), Input::from)));
         }
-        let outputs = self.outputs();
-        let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
+        let outputs: Vec<&str> = self.outputs.iter().map(String::as_str).collect();
         let mut found = self.engine.run_held(&inputs, &outputs)?;
         let held = found.split_off(1);
-        let names = self.caches.clone();
-        Ok((found.remove(0), Cache { held, names, length: total, next }))
+        Ok((found.remove(0), Cache { held, length: total, next }))
     }
 
     /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models that tell rows and columns apart.
@@ -122,11 +120,6 @@ impl Causal {
         let shape =
             if self.is_spatial { vec![3, rows, places.len()] } else { vec![rows, places.len()] };
         Tensor::I64 { shape, data }
-    }
-
-    fn outputs(&self) -> Vec<String> {
-        let present = self.caches.iter().map(|name| format!("{PRESENT}{name}"));
-        std::iter::once("logits".to_owned()).chain(present).collect()
     }
 
     /// A cache of nothing.
