@@ -14,7 +14,8 @@ use std::process::{Command, ExitCode};
 use anyhow::{Context, Result, bail};
 
 const USAGE: &str = "\
-cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; without flags: the bundled scenes, into out/
+cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; unless flags say otherwise: the bundled scenes, seen by the
+                                             demo's models, into out/
 cargo xtask pipeline --check                 compare every stage's artefact with its committed snapshot
 cargo xtask pipeline --accept                rewrite the snapshots; read the difference before you commit
 cargo xtask scenes                           make the bundled scenes anew

@@ -14,20 +14,35 @@ pub(crate) fn pipeline(flags: &[String]) -> Result<()> {
     match flags {
         [flag] if flag == "--check" => snapshots("no"),
         [flag] if flag == "--accept" => snapshots("always"),
-        [] => {
-            let mut command = jrdb();
-            command.arg("run");
-            for scene in bundled()? {
-                command.arg("--scene").arg(scene);
-            }
-            run(command.args(["--perception", "labels", "--artifacts", "--out", "out"]))
-        }
-        flags => {
+        flags if flags.iter().any(|flag| names_source(flag)) => {
             // Cargo starts the program where the user stands, so relative paths in flags hold.
             let here = std::env::current_dir().context("cannot tell the current folder")?;
             run_in(&here, jrdb().arg("run").args(flags))
         }
+        flags => bundled_run(flags),
     }
+}
+
+/// Whether a flag says on what to run.
+fn names_source(flag: &str) -> bool {
+    ["--scene", "--dataset", "--help", "-h"].iter().any(|name| flag.starts_with(name))
+}
+
+/// All bundled scenes, seen by the demo's models unless the flags say otherwise, into `out/`.
+fn bundled_run(flags: &[String]) -> Result<()> {
+    let mut command = jrdb();
+    command.arg("run");
+    for scene in bundled()? {
+        command.arg("--scene").arg(scene);
+    }
+    let is_given = |name: &str| flags.iter().any(|flag| flag.starts_with(name));
+    if !is_given("--perception") {
+        command.args(["--perception", "demo"]);
+    }
+    if !is_given("--out") {
+        command.args(["--artifacts", "--out", "out"]);
+    }
+    run(command.args(flags))
 }
 
 /// Makes the bundled scenes anew from their `scene.json`.

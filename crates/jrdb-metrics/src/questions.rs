@@ -49,7 +49,8 @@ pub struct Outcome<'a> {
 /// The boxes of a selection are looked up in the answer's ranking; a selected id without a box counts
 /// as a false positive. AP50 and mAP pool all rankings as one class with the probabilities as scores,
 /// each question an image of its own, at most COCO's 100 candidates each, and are -1 where no question
-/// has a true box. A question without true boxes adds 0 to `miou_gt` and `miou_query`, as in the
+/// has a true box. An answer is exact if it names the things of the truth; where the truth has boxes without names, if its boxes match them one to
+/// one. A question without true boxes adds 0 to `miou_gt` and `miou_query`, as in the
 /// benchmark; ratios without a denominator are 0.
 ///
 /// ```
@@ -99,7 +100,7 @@ impl<'a> Scored<'a> {
             frame: question.frame.clone(),
             question: question.text.clone(),
             category: question.category.clone(),
-            exact: exact(truth, answer),
+            exact: exact(truth, answer, matches.count),
             true_positives: matches.count,
             false_positives: selected(answer) - matches.count,
             false_negatives: truth.boxes.len() - matches.count,
@@ -134,13 +135,15 @@ fn ranked_boxes(answer: &Answer) -> Vec<(PixelBox, f64)> {
     slot.seen.iter().map(|seen| (seen.bbox, by_id.get(&seen.id).copied().unwrap_or(1.0))).collect()
 }
 
-fn exact(truth: &Truth, answer: &Answer) -> Option<bool> {
+fn exact(truth: &Truth, answer: &Answer, matched: usize) -> Option<bool> {
     if truth.count.is_some() {
         return Some(answer.number() == truth.count);
     }
-    let boxes_only = truth.ids.is_empty() && !truth.boxes.is_empty();
+    if truth.ids.is_empty() && !truth.boxes.is_empty() {
+        return Some(matched == truth.boxes.len() && matched == selected(answer));
+    }
     let set = |ids: &'_ [EntityId]| ids.iter().cloned().collect::<BTreeSet<_>>();
-    (!boxes_only).then(|| set(&truth.ids) == set(&answer.selection))
+    Some(set(&truth.ids) == set(&answer.selection))
 }
 
 fn summary(scored: &[&Scored<'_>], circle_px: Option<f64>) -> Summary {
@@ -312,10 +315,12 @@ mod tests {
     }
 
     #[test]
-    fn boxes_without_names_cannot_be_exact_and_questions_without_truth_are_left_out() {
+    fn boxes_without_names_are_exact_if_all_match_and_questions_without_truth_are_left_out() {
         let mut q = question("age", &[1]);
         q.truth.as_mut().unwrap().ids.clear();
-        assert_eq!(score(&q, &answer(&[1], &[])).questions[0].exact, None);
+        assert_eq!(score(&q, &answer(&[1], &[])).questions[0].exact, Some(true));
+        assert_eq!(score(&q, &answer(&[2], &[])).questions[0].exact, Some(false));
+        assert_eq!(score(&q, &answer(&[1, 2], &[])).questions[0].exact, Some(false));
         q.truth = None;
         assert_eq!(
             score(&q, &answer(&[1], &[])).overall,

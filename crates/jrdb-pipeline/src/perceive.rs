@@ -147,6 +147,12 @@ impl Perceiver {
         Ok(Self { kind, config: opened.config, notes: opened.notes })
     }
 
+    /// Whether ids are those of the labels, which questions name in their truth.
+    #[must_use]
+    pub fn knows_truth(&self) -> bool {
+        self.tracks()
+    }
+
     /// Whether an id is the same person or object in every frame of a sequence.
     #[must_use]
     pub fn tracks(&self) -> bool {

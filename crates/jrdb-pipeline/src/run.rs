@@ -80,9 +80,12 @@ pub struct RunResult {
 pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
     let frame_sources =
         source::list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
-    let questions = frame_questions(options, &frame_sources)?;
+    let mut questions = frame_questions(options, &frame_sources)?;
     let perceiver =
         Perceiver::open(&options.perception, &frame_sources, &options.models, &options.engine)?;
+    if !perceiver.knows_truth() {
+        questions.forget_names();
+    }
     let asked = questions.per_frame.iter().map(Vec::len).max().unwrap_or(0);
     let ids: Vec<&FrameId> = frame_sources.iter().map(|frame| &frame.id).collect();
     let layout = Layout::of(&ids, asked);
@@ -122,6 +125,14 @@ fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
 struct FrameQuestions {
     per_frame: Vec<Vec<Question>>,
     unasked: usize,
+}
+
+impl FrameQuestions {
+    /// Leaves of the truth only its boxes: the names that perception gives are others.
+    fn forget_names(&mut self) {
+        let truths = self.per_frame.iter_mut().flatten().filter_map(|q| q.truth.as_mut());
+        truths.for_each(|truth| truth.ids.clear());
+    }
 }
 
 fn frame_questions(options: &RunOptions, frames: &[FrameSource]) -> Result<FrameQuestions, Error> {
