@@ -4,6 +4,7 @@ pub mod calib;
 pub mod draw;
 pub mod engine;
 pub mod frame;
+pub mod light;
 pub mod motion;
 pub mod output;
 pub mod perceive;

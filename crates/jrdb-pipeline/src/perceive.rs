@@ -26,6 +26,8 @@ pub enum PerceptionSource {
     File(PathBuf),
     /// The SSDLite person detector on wrapped tiles.
     SsdLite,
+    /// Small models without any hub: SSDLite and NanoDet.
+    Light,
 }
 
 impl FromStr for PerceptionSource {
@@ -35,8 +37,9 @@ impl FromStr for PerceptionSource {
         match text.split_once(':') {
             None if text == "labels" => Ok(Self::Labels),
             None if text == "ssdlite" => Ok(Self::SsdLite),
+            None if text == "light" => Ok(Self::Light),
             Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
-            _ => Err(format!("expected labels, file:PATH or ssdlite, found {text:?}")),
+            _ => Err(format!("expected labels, file:PATH, ssdlite or light, found {text:?}")),
         }
     }
 }
@@ -69,6 +72,7 @@ impl Perceiver {
             PerceptionSource::Labels => Ok(Self::labels(frames)),
             PerceptionSource::File(path) => Self::file(path, frames),
             PerceptionSource::SsdLite => Self::ssdlite(models, engine),
+            PerceptionSource::Light => Self::light(models, engine),
         }
     }
 
@@ -107,6 +111,12 @@ impl Perceiver {
         let detector = SsdLite::new(engine, SsdLiteConfig::default());
         let config = serde_json::json!({ "perception": "ssdlite", "ssdlite": detector.config() });
         Ok(Self { kind: Kind::Model(Box::new(detector)), config, notes: vec![note] })
+    }
+
+    fn light(models: &Path, options: &EngineOptions) -> Result<Self, Error> {
+        let (detector, notes) = crate::light::open(models, options)?;
+        let config = serde_json::json!({ "perception": "light", "light": detector.config() });
+        Ok(Self { kind: Kind::Model(detector), config, notes })
     }
 
     /// Whether an id is the same person or object in every frame of a sequence.

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use jrdb_pipeline::engine::{EngineOptions, open_engine};
+use jrdb_pipeline::light::NANODET_FILE;
 use jrdb_pipeline::perceive::SSDLITE_FILE;
 
 use super::say;
@@ -32,8 +33,10 @@ struct Folder {
 }
 
 /// Name, file, and what it does.
-const KNOWN: [(&str, &str, &str); 1] =
-    [("ssdlite", SSDLITE_FILE, "person detector, SSDLite MobileNetV2 300x300")];
+const KNOWN: [(&str, &str, &str); 2] = [
+    ("ssdlite", SSDLITE_FILE, "person detector, SSDLite MobileNetV2 300x300"),
+    ("nanodet", NANODET_FILE, "detector of people and objects, NanoDet-g 416x416"),
+];
 
 pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode> {
     match &args.command {

@@ -87,7 +87,7 @@ fn frame_range(text: &str) -> Result<Range<u32>, String> {
 /// Where detections come from.
 #[derive(Debug, Args)]
 pub(crate) struct PerceptionArgs {
-    /// labels, file:PATH (our detections or COCO results), or ssdlite
+    /// labels, file:PATH (our detections or COCO results), ssdlite (people), or light (people and objects)
     #[arg(long, default_value = "labels", value_name = "SOURCE")]
     pub(crate) perception: PerceptionSource,
     /// Folder with model files
