@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use jrdb_perception::Detector;
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detection, FrameId, Image, PixelBox};
+use jrdb_types::{Attributes, Detection, EntityId, FrameId, Image, PixelBox};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::bytestream::ZCursor;
 
@@ -96,6 +96,22 @@ impl Scene {
 fn person(line: &str) -> Option<PixelBox> {
     let columns: Vec<f64> = line.split(',').map(|c| c.parse().unwrap()).collect();
     (columns[0] == 0.0).then(|| PixelBox::from(<[f64; 4]>::try_from(&columns[8..12]).unwrap()))
+}
+
+/// A person in this box.
+pub(crate) fn person_at(bbox: PixelBox) -> Detection {
+    Detection {
+        id: EntityId::new(PERSON, 1),
+        category: PERSON.into(),
+        score: 1.0,
+        bbox,
+        attributes: Attributes::default(),
+        interactions: Vec::new(),
+        group: None,
+        occlusion: None,
+        heading_rad: None,
+        box3d: None,
+    }
 }
 
 /// The largest difference of two lists of the same detections: pixels, score.
