@@ -22,12 +22,19 @@ pub(crate) fn pipeline(flags: &[String]) -> Result<()> {
             }
             run(command.args(["--perception", "labels", "--artifacts", "--out", "out"]))
         }
-        flags => {
-            // Cargo starts the program where the user stands, so relative paths in flags hold.
-            let here = std::env::current_dir().context("cannot tell the current folder")?;
-            run_in(&here, jrdb().arg("run").args(flags))
-        }
+        flags => run_here("run", flags),
     }
+}
+
+/// `jrdb models` with these flags.
+pub(crate) fn models(flags: &[String]) -> Result<()> {
+    run_here("models", flags)
+}
+
+/// Cargo starts the program where the user stands, so that relative paths in flags hold.
+fn run_here(command: &str, flags: &[String]) -> Result<()> {
+    let here = std::env::current_dir().context("cannot tell the current folder")?;
+    run_in(&here, jrdb().arg(command).args(flags))
 }
 
 /// Makes the bundled scenes anew from their `scene.json`.

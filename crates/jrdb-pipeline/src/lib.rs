@@ -5,6 +5,7 @@ pub mod draw;
 pub mod engine;
 pub mod frame;
 pub mod light;
+pub mod models;
 pub mod motion;
 pub mod output;
 pub mod perceive;

@@ -3,8 +3,10 @@
 use std::path::Path;
 
 use jrdb_perception::{
-    Detector, Engine, NanoDet, NanoDetConfig, PairConfig, PairDetector, SsdLite, SsdLiteConfig,
+    Appearance, AppearanceConfig, Described, Detector, Engine, FaceFinder, FaceModels, FaceReader,
+    NanoDet, NanoDetConfig, PairConfig, PairDetector, SsdLite, SsdLiteConfig,
 };
+use jrdb_types::Query;
 
 use crate::Error;
 use crate::engine::{EngineOptions, open_engine};
@@ -19,13 +21,78 @@ pub const COMPARED_MIN_SCORE: f64 = 0.05;
 /// A detector, and what the user should know of it.
 pub type Opened = (Box<dyn Detector + Send + Sync>, Vec<String>);
 
-/// SSDLite and NanoDet as one detector of people and objects.
+/// The files of the models that look at faces.
+pub const CENTERFACE_FILE: &str = "centerface-480.onnx";
+/// Guesses gender.
+pub const GENDER_FILE: &str = "gender-v1.onnx";
+/// Guesses age.
+pub const AGE_FILE: &str = "age-v1.onnx";
+
+/// Which demographic attributes are guessed from faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+pub enum Demographics {
+    /// Gender where a question needs it, else none
+    #[default]
+    Auto,
+    /// None
+    None,
+    /// Gender
+    Gender,
+    /// Gender and age; age is unreliable
+    All,
+}
+
+impl Demographics {
+    /// What is meant, given the questions that will be asked.
+    #[must_use]
+    pub fn for_queries<'a>(self, queries: impl IntoIterator<Item = &'a Query>) -> Self {
+        match self {
+            Self::Auto if queries.into_iter().any(speaks_of_gender) => Self::Gender,
+            Self::Auto => Self::None,
+            chosen => chosen,
+        }
+    }
+}
+
+/// Whether a query has a condition on, or asks for, somebody's gender, however deep. Its JSON form names every part.
+fn speaks_of_gender(query: &Query) -> bool {
+    let bare = Query { text: String::new(), issues: Vec::new(), ..query.clone() };
+    serde_json::to_string(&bare).is_ok_and(|json| json.contains("\"gender\""))
+}
+
+/// SSDLite and NanoDet as one detector of people and objects, with an attribute model behind it. A models folder without the model
+/// that finds faces is fine: then nothing is said that needs one.
 ///
 /// # Errors
-/// When a model or its engine is unusable.
-pub fn open(models: &Path, engine: &EngineOptions) -> Result<Opened, Error> {
+/// When a model or its engine is unusable, or a model is missing that was asked for.
+pub fn open(
+    models: &Path,
+    engine: &EngineOptions,
+    demographics: Demographics,
+) -> Result<Opened, Error> {
     let (detector, note) = detector(models, engine, PairConfig::default())?;
-    Ok((Box::new(detector), vec![note]))
+    let mut notes = vec![note];
+    let faces = faces(models, engine, demographics, &mut notes)?;
+    let appearance = Appearance::new(faces, AppearanceConfig::default());
+    Ok((Box::new(Described::new(detector, appearance)), notes))
+}
+
+fn faces(
+    models: &Path,
+    engine: &EngineOptions,
+    demographics: Demographics,
+    notes: &mut Vec<String>,
+) -> Result<FaceModels, Error> {
+    let wants_gender = matches!(demographics, Demographics::Gender | Demographics::All);
+    if !wants_gender && !models.join(CENTERFACE_FILE).exists() {
+        notes.push(format!("no {CENTERFACE_FILE}: which way faces look is unknown"));
+        return Ok(FaceModels::default());
+    }
+    let reader = |file: &str| Ok::<_, Error>(FaceReader::new(load(models, file, engine)?.0));
+    let gender = wants_gender.then(|| reader(GENDER_FILE)).transpose()?;
+    let age = (demographics == Demographics::All).then(|| reader(AGE_FILE)).transpose()?;
+    let finder = Some(FaceFinder::new(load(models, CENTERFACE_FILE, engine)?.0));
+    Ok(FaceModels { finder, gender, age })
 }
 
 /// The two detectors with another choice of what is reported.
@@ -56,4 +123,21 @@ pub(crate) fn load(
     let path = models.join(file);
     let bytes = std::fs::read(&path).map_err(|source| Error::file("read", &path, source))?;
     open_engine(&bytes, &path, engine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn meant(text: &str) -> Demographics {
+        Demographics::Auto.for_queries([&jrdb_parser::parse(text)])
+    }
+
+    #[test]
+    fn gender_is_guessed_for_questions_that_need_it_only() {
+        assert_eq!(meant("Who is left of the woman?"), Demographics::Gender);
+        assert_eq!(meant("Who is left of the sitting person?"), Demographics::None);
+        let off = Demographics::None.for_queries([&jrdb_parser::parse("Find the man")]);
+        assert_eq!(off, Demographics::None);
+    }
 }

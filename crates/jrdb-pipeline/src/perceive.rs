@@ -11,6 +11,7 @@ use jrdb_types::{Detections, Image, Issue};
 
 use crate::Error;
 use crate::engine::{EngineOptions, open_engine};
+use crate::light::Demographics;
 use crate::source::{FrameSource, without_root};
 
 /// The file of the SSDLite person detector in the models folder.
@@ -26,8 +27,8 @@ pub enum PerceptionSource {
     File(PathBuf),
     /// The SSDLite person detector on wrapped tiles.
     SsdLite,
-    /// Small models without any hub: SSDLite and NanoDet.
-    Light,
+    /// Small models without any hub: SSDLite and NanoDet, clothes, faces, and demographics if asked for.
+    Light(Demographics),
 }
 
 impl FromStr for PerceptionSource {
@@ -37,7 +38,7 @@ impl FromStr for PerceptionSource {
         match text.split_once(':') {
             None if text == "labels" => Ok(Self::Labels),
             None if text == "ssdlite" => Ok(Self::SsdLite),
-            None if text == "light" => Ok(Self::Light),
+            None if text == "light" => Ok(Self::Light(Demographics::default())),
             Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
             _ => Err(format!("expected labels, file:PATH, ssdlite or light, found {text:?}")),
         }
@@ -72,7 +73,7 @@ impl Perceiver {
             PerceptionSource::Labels => Ok(Self::labels(frames)),
             PerceptionSource::File(path) => Self::file(path, frames),
             PerceptionSource::SsdLite => Self::ssdlite(models, engine),
-            PerceptionSource::Light => Self::light(models, engine),
+            PerceptionSource::Light(demographics) => Self::light(models, engine, *demographics),
         }
     }
 
@@ -113,8 +114,12 @@ impl Perceiver {
         Ok(Self { kind: Kind::Model(Box::new(detector)), config, notes: vec![note] })
     }
 
-    fn light(models: &Path, options: &EngineOptions) -> Result<Self, Error> {
-        let (detector, notes) = crate::light::open(models, options)?;
+    fn light(
+        models: &Path,
+        options: &EngineOptions,
+        demographics: Demographics,
+    ) -> Result<Self, Error> {
+        let (detector, notes) = crate::light::open(models, options, demographics)?;
         let config = serde_json::json!({ "perception": "light", "light": detector.config() });
         Ok(Self { kind: Kind::Model(detector), config, notes })
     }

@@ -47,7 +47,7 @@ enum Command {
     Rig(rig::RigArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
-    /// Model files: which are known, which are there
+    /// Model files: which there are, fetch them, check them
     Models(models::ModelsArgs),
 }
 

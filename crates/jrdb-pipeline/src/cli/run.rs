@@ -8,6 +8,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
+use jrdb_pipeline::light::Demographics;
 use jrdb_pipeline::perceive::PerceptionSource;
 use jrdb_pipeline::report::{Detail, Telling};
 use jrdb_pipeline::source::{RigChoice, RobotOptions, Source};
@@ -57,6 +58,11 @@ impl RobotArgs {
 }
 
 impl SourceArgs {
+    /// Whether any frames are named.
+    pub(crate) fn is_given(&self) -> bool {
+        self.dataset.is_some() || !self.scene.is_empty()
+    }
+
     pub(crate) fn robot(&self) -> RobotOptions {
         self.robot.options()
     }
@@ -89,7 +95,10 @@ fn frame_range(text: &str) -> Result<Range<u32>, String> {
 pub(crate) struct PerceptionArgs {
     /// labels, file:PATH (our detections or COCO results), ssdlite (people), or light (people and objects)
     #[arg(long, default_value = "labels", value_name = "SOURCE")]
-    pub(crate) perception: PerceptionSource,
+    perception: PerceptionSource,
+    /// What light guesses from faces; the bare flag means gender
+    #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
+    demographics: Demographics,
     /// Folder with model files
     #[arg(long, default_value = "models", value_name = "DIR")]
     pub(crate) models: PathBuf,
@@ -102,6 +111,13 @@ pub(crate) struct PerceptionArgs {
 }
 
 impl PerceptionArgs {
+    pub(crate) fn source(&self) -> PerceptionSource {
+        match &self.perception {
+            PerceptionSource::Light(_) => PerceptionSource::Light(self.demographics),
+            other => other.clone(),
+        }
+    }
+
     pub(crate) fn engine(&self) -> EngineOptions {
         let (library, models) = (self.onnxruntime.clone(), self.models.clone());
         EngineOptions { choice: self.engine, library, models }
@@ -230,7 +246,7 @@ impl RunArgs {
             sources: self.source.sources()?,
             robot: self.source.robot(),
             frames: self.source.frames.clone(),
-            perception: self.perception.perception.clone(),
+            perception: self.perception.source(),
             models: self.perception.models.clone(),
             engine: self.perception.engine(),
             robot_stands: self.robot_stands,

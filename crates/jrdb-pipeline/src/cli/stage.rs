@@ -61,9 +61,9 @@ pub(crate) struct PerceiveArgs {
 
 pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
     let frame = only_frame(&args.source)?;
-    let options = (&args.perception.perception, &args.perception.models, args.perception.engine());
+    let (source, engine) = (args.perception.source(), args.perception.engine());
     let frames = [frame];
-    let perceiver = Perceiver::open(options.0, &frames, options.1, &options.2)?;
+    let perceiver = Perceiver::open(&source, &frames, &args.perception.models, &engine)?;
     for note in perceiver.notes() {
         eprintln!("{note}");
     }
