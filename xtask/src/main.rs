@@ -18,6 +18,7 @@ cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; unless flags say 
                                              demo's models, into out/
 cargo xtask pipeline --check                 compare every stage's artefact with its committed snapshot
 cargo xtask pipeline --accept                rewrite the snapshots; read the difference before you commit
+cargo xtask models list|fetch|check [flags]  model files, as `jrdb models` does it
 cargo xtask scenes                           make the bundled scenes anew
 cargo xtask budget                           count each kernel's instructions against testdata/budgets.json
 cargo xtask budget --accept                  rewrite the budgets; say in the commit why one rose
@@ -34,6 +35,7 @@ fn main() -> ExitCode {
     };
     let done = match command {
         "pipeline" => pipeline::pipeline(rest),
+        "models" => pipeline::models(rest),
         "scenes" => pipeline::scenes(),
         "budget" => budget::budget(rest),
         "peers" => peers::peers(rest),

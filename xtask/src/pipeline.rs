@@ -14,13 +14,20 @@ pub(crate) fn pipeline(flags: &[String]) -> Result<()> {
     match flags {
         [flag] if flag == "--check" => snapshots("no"),
         [flag] if flag == "--accept" => snapshots("always"),
-        flags if flags.iter().any(|flag| names_source(flag)) => {
-            // Cargo starts the program where the user stands, so relative paths in flags hold.
-            let here = std::env::current_dir().context("cannot tell the current folder")?;
-            run_in(&here, jrdb().arg("run").args(flags))
-        }
+        flags if flags.iter().any(|flag| names_source(flag)) => run_here("run", flags),
         flags => bundled_run(flags),
     }
+}
+
+/// `jrdb models` with these flags.
+pub(crate) fn models(flags: &[String]) -> Result<()> {
+    run_here("models", flags)
+}
+
+/// Cargo starts the program where the user stands, so that relative paths in flags hold.
+fn run_here(command: &str, flags: &[String]) -> Result<()> {
+    let here = std::env::current_dir().context("cannot tell the current folder")?;
+    run_in(&here, jrdb().arg(command).args(flags))
 }
 
 /// Whether a flag says on what to run.

@@ -63,7 +63,7 @@ fn person(number: u32, x: f64) -> Detection {
             gender: Belief::certain(Gender::Female),
             race: Belief::certain(Race::Asian),
             action: Belief::certain(Action::GoingDown),
-            facing: Belief::default(),
+            ..Attributes::default()
         },
         interactions: Vec::new(),
         group: None,

@@ -2,7 +2,7 @@
 
 use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 
-use crate::engine::{Cause, EngineError};
+use crate::engine::{Cause, EngineError, Tensor};
 
 /// Finds things in an image.
 pub trait Detector {
@@ -116,4 +116,24 @@ pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
         return Err(PerceptionError::Image { width, height, bytes: rgb.len() });
     }
     Ok(())
+}
+
+/// One output of shape `[1, count, N]` as `count` rows of `N` numbers.
+pub(crate) fn rows<'a, const N: usize>(
+    name: &'static str,
+    outputs: &'a [Tensor],
+    index: usize,
+    count: usize,
+) -> Result<&'a [[f32; N]], PerceptionError> {
+    let wrong = |found: String| {
+        let expected = format!("f32 {:?}", [1, count, N]);
+        PerceptionError::Output { name, expected, found }
+    };
+    match outputs.get(index) {
+        Some(Tensor::F32 { shape, data }) if shape[..] == [1, count, N] => {
+            Ok(data.as_chunks::<N>().0)
+        }
+        Some(other) => Err(wrong(other.describe())),
+        None => Err(wrong("nothing".into())),
+    }
 }

@@ -4,19 +4,17 @@
 use std::fmt;
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Attributes, Detection, Detections, EntityId, FrameId, Image, ImageGeometry};
-use rayon::prelude::*;
+use jrdb_types::{Detections, FrameId, Image};
 use serde::{Deserialize, Serialize};
 
 mod anchors;
 
 use anchors::{Anchor, anchors};
 
-use crate::detector::{Detector, PerceptionError, check_image};
+use crate::detector::{Detector, PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
-use crate::nms::{ScoredBox, nms};
-use crate::resize::{Filter, resize};
-use crate::tiles::{Tile, tiles};
+use crate::nms::ScoredBox;
+use crate::tiled::{Found, TileSize, Tiling, numbered, unit};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 300;
@@ -71,22 +69,14 @@ impl Default for SsdLiteConfig {
 }
 
 impl SsdLiteConfig {
-    fn check(&self) -> Result<(), PerceptionError> {
-        let in_range = |setting, expected, found, holds: bool| {
-            if holds { Ok(()) } else { Err(PerceptionError::Setting { setting, expected, found }) }
-        };
-        let unit =
-            |setting, found| in_range(setting, "in [0, 1]", found, (0.0..=1.0).contains(&found));
-        let count = self.tile_aspects.len() as f64;
-        in_range("number of tile_aspects", "at least 1", count, count > 0.0)?;
-        for &aspect in &self.tile_aspects {
-            in_range("tile_aspects", "in (0, 10]", aspect, aspect > 0.0 && aspect <= 10.0)?;
+    fn tiling(&self) -> Tiling<'_> {
+        Tiling {
+            wraps: self.wraps,
+            aspects: &self.tile_aspects,
+            overlap: self.tile_overlap,
+            border_margin: self.border_margin,
+            nms_iou: self.nms_iou,
         }
-        let (overlap, margin) = (self.tile_overlap, self.border_margin);
-        in_range("tile_overlap", "in [0, 0.95]", overlap, (0.0..=0.95).contains(&overlap))?;
-        in_range("border_margin", "in [0, 0.5)", margin, (0.0..0.5).contains(&margin))?;
-        unit("min_score", self.min_score)?;
-        unit("nms_iou", self.nms_iou)
     }
 }
 
@@ -118,57 +108,34 @@ impl SsdLite {
         Self { engine, config, anchors: anchors() }
     }
 
-    fn detect_tile(
+    /// People in a square picture of a tile, in pixels of that tile.
+    fn look(
         &self,
-        image: &Image,
-        geometry: ImageGeometry,
-        tile: Tile,
-    ) -> Result<Vec<ScoredBox>, PerceptionError> {
-        let input = input(&resize(&tile.crop(image), SIDE, SIDE, Filter::Bilinear));
-        let outputs = self.engine.run(&[(INPUT, &input)], &[BOXES, LOGITS])?;
+        picture: &Image,
+        (width_px, height_px): TileSize,
+    ) -> Result<Vec<Found>, PerceptionError> {
+        let outputs = self.engine.run(&[(INPUT, &input(picture))], &[BOXES, LOGITS])?;
         let codes = rows::<4>(BOXES, &outputs, 0, self.anchors.len())?;
         let logits = rows::<2>(LOGITS, &outputs, 1, self.anchors.len())?;
-        let (width_px, height_px) = (f64::from(tile.width_px), f64::from(geometry.height_px));
-        let margin_px = self.config.border_margin * width_px;
-        let boxes: Vec<ScoredBox> = (self.anchors.iter().zip(codes.iter().zip(logits)))
+        let found = (self.anchors.iter().zip(codes.iter().zip(logits)))
             .map(|(anchor, (code, logits))| (anchor, code, sigmoid(f64::from(logits[1]))))
             .filter(|(.., score)| *score >= self.config.min_score)
-            .map(|(anchor, code, score)| ScoredBox {
-                bbox: anchor.decode(code, width_px, height_px),
-                score,
-            })
-            .filter(|b| b.bbox.is_proper() && !tile.cuts(&b.bbox, margin_px, geometry))
-            .collect();
-        // Each tile first settles on its own people, as the model was trained to be used: a box that only
-        // repeats one of them must not outlive it when another tile shows that person better.
-        let mut people = nms(&boxes, self.config.nms_iou, None);
-        people.iter_mut().for_each(|person| person.bbox = tile.to_image(person.bbox, geometry));
-        Ok(people)
+            .map(|(anchor, code, score)| {
+                let bbox = anchor.decode(code, width_px, height_px);
+                Found { class: 0, scored: ScoredBox { bbox, score } }
+            });
+        Ok(found.collect())
     }
 }
 
 impl Detector for SsdLite {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
-        check_image(image)?;
-        self.config.check()?;
-        let geometry = ImageGeometry {
-            width_px: image.width as u32,
-            height_px: image.height as u32,
-            wraps: self.config.wraps,
-        };
-        let width_px = |aspect: &f64| (aspect * image.height as f64).round() as u32;
-        let all: Vec<Tile> = (self.config.tile_aspects.iter())
-            .flat_map(|aspect| tiles(geometry, width_px(aspect), self.config.tile_overlap))
-            .collect();
-        let found: Vec<Result<Vec<ScoredBox>, _>> =
-            all.par_iter().map(|tile| self.detect_tile(image, geometry, *tile)).collect();
-        let mut candidates = Vec::new();
-        for boxes in found {
-            candidates.extend(boxes?);
-        }
-        let people = nms(&candidates, self.config.nms_iou, geometry.period_px());
-        let frame = frame.clone();
-        Ok(Detections { frame, image: geometry, detections: numbered(people), issues: Vec::new() })
+        unit("min_score", self.config.min_score)?;
+        let tiling = self.config.tiling();
+        let found = tiling.sweep(image, SIDE, |picture, size| self.look(picture, size))?;
+        let people = found.into_iter().map(|found| found.scored).collect();
+        let (frame, image) = (frame.clone(), tiling.geometry(image));
+        Ok(Detections { frame, image, detections: numbered(PERSON, people), issues: Vec::new() })
     }
 
     fn config(&self) -> serde_json::Value {
@@ -180,48 +147,10 @@ impl Detector for SsdLite {
     }
 }
 
-/// People as detections, numbered from left to right, then from top to bottom.
-fn numbered(mut people: Vec<ScoredBox>) -> Vec<Detection> {
-    people.sort_by(|a, b| a.bbox.x.total_cmp(&b.bbox.x).then(a.bbox.y.total_cmp(&b.bbox.y)));
-    let detection = |(number, person): (u32, ScoredBox)| Detection {
-        id: EntityId::new(PERSON, number),
-        category: PERSON.into(),
-        score: person.score,
-        bbox: person.bbox,
-        attributes: Attributes::default(),
-        interactions: Vec::new(),
-        group: None,
-        occlusion: None,
-        heading_rad: None,
-        box3d: None,
-    };
-    (1..).zip(people).map(detection).collect()
-}
-
 /// The picture as the model wants it: rows of columns of red, green, blue in `[-1, 1]`.
 fn input(picture: &Image) -> Tensor {
     let data = picture.rgb.iter().map(|&byte| f32::from(byte) / 127.5 - 1.0).collect();
     Tensor::F32 { shape: vec![1, picture.height, picture.width, 3], data }
-}
-
-/// One output as rows of `N` numbers, one row for each anchor.
-fn rows<'a, const N: usize>(
-    name: &'static str,
-    outputs: &'a [Tensor],
-    index: usize,
-    anchors: usize,
-) -> Result<&'a [[f32; N]], PerceptionError> {
-    let wrong = |found: String| {
-        let expected = format!("f32 {:?}", [1, anchors, N]);
-        PerceptionError::Output { name, expected, found }
-    };
-    match outputs.get(index) {
-        Some(Tensor::F32 { shape, data }) if shape[..] == [1, anchors, N] => {
-            Ok(data.as_chunks::<N>().0)
-        }
-        Some(other) => Err(wrong(other.describe())),
-        None => Err(wrong("nothing".into())),
-    }
 }
 
 fn sigmoid(logit: f64) -> f64 {
@@ -232,7 +161,7 @@ fn sigmoid(logit: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::engine::EngineError;
-    use jrdb_types::PixelBox;
+    use jrdb_types::{ImageGeometry, PixelBox};
 
     /// Says the same of every tile: one anchor is a person.
     #[derive(Debug)]

@@ -63,6 +63,9 @@ pub enum Error {
     /// A question of which nothing is understood, or notation that does not fit together.
     #[error("{0}")]
     Query(String),
+    /// A model could not be obtained or converted; says how to go on.
+    #[error("{0}")]
+    Fetch(String),
     /// A flag or a combination of flags makes no sense.
     #[error("{0}")]
     Usage(String),
@@ -88,7 +91,7 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::File { action: "write", .. } => 1,
+            Self::File { action: "write", .. } | Self::Fetch(_) => 1,
             _ => 2,
         }
     }

@@ -6,6 +6,8 @@ pub mod draw;
 pub mod engine;
 pub mod exam;
 pub mod frame;
+pub mod light;
+pub mod models;
 pub mod motion;
 pub mod output;
 pub mod perceive;

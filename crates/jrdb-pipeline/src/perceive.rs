@@ -13,9 +13,10 @@ use jrdb_types::{Attributes, Detection, Detections, Image, Issue};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::backbone::{self, Backbone};
+use crate::backbone::{self, Backbone, Opened};
 use crate::engine::{EngineOptions, open_engine};
 use crate::error::with_causes;
+use crate::light::Demographics;
 use crate::source::{FrameSource, without_root};
 
 /// The file of the SSDLite person detector in the models folder.
@@ -31,6 +32,8 @@ pub enum PerceptionSource {
     File(PathBuf),
     /// The SSDLite person detector on wrapped tiles.
     SsdLite,
+    /// Small models without any hub: SSDLite and NanoDet, clothes, faces, and demographics if asked for.
+    Light(Demographics),
     /// A file with the replies of models that ran before or elsewhere.
     Replay(PathBuf),
     /// The backbone of this name.
@@ -44,11 +47,12 @@ impl FromStr for PerceptionSource {
         match text.split_once(':') {
             None if text == "labels" => Ok(Self::Labels),
             None if text == "ssdlite" => Ok(Self::SsdLite),
+            None if text == "light" => Ok(Self::Light(Demographics::default())),
             Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
             Some(("replay", path)) if !path.is_empty() => Ok(Self::Replay(path.into())),
             None if is_name(text) => Ok(Self::Backbone(text.into())),
             _ => Err(format!(
-                "expected labels, file:PATH, replay:PATH, ssdlite or the name of a backbone ({}), found {text:?}",
+                "expected labels, file:PATH, replay:PATH, light, ssdlite or the name of a backbone ({}), found {text:?}",
                 backbone::built_in().join(", ")
             )),
         }
@@ -90,6 +94,7 @@ impl Perceiver {
             PerceptionSource::Labels => Ok(Self::labels(frames)),
             PerceptionSource::File(path) => Self::file(path, frames),
             PerceptionSource::SsdLite => Self::ssdlite(models, engine),
+            PerceptionSource::Light(demographics) => Self::light(models, engine, *demographics),
             PerceptionSource::Replay(path) => Self::replay(path),
             PerceptionSource::Backbone(name) => Self::backbone(name, models, engine),
         }
@@ -142,15 +147,26 @@ impl Perceiver {
     }
 
     fn backbone(name: &str, models: &Path, options: &EngineOptions) -> Result<Self, Error> {
-        let opened = Backbone::named(name, models)?.open(name, models, options)?;
-        let kind = Kind::Model(opened.detector, opened.attributes);
-        Ok(Self { kind, config: opened.config, notes: opened.notes })
+        Ok(Self::opened(Backbone::named(name, models)?.open(name, models, options)?))
+    }
+
+    fn opened(models: Opened) -> Self {
+        let kind = Kind::Model(models.detector, models.attributes);
+        Self { kind, config: models.config, notes: models.notes }
     }
 
     /// Whether ids are those of the labels, which questions name in their truth.
     #[must_use]
     pub fn knows_truth(&self) -> bool {
         self.tracks()
+    }
+
+    fn light(
+        models: &Path,
+        options: &EngineOptions,
+        demographics: Demographics,
+    ) -> Result<Self, Error> {
+        Ok(Self::opened(crate::light::open(models, options, demographics)?))
     }
 
     /// Whether an id is the same person or object in every frame of a sequence.

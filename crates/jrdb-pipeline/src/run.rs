@@ -12,6 +12,7 @@ use crate::frame::{Asked, place};
 use crate::motion::{self, Motions, Places};
 use crate::output::{Layout, Writer};
 use crate::perceive::{Perceiver, PerceptionSource};
+use crate::query::read_or_report;
 use crate::recording;
 use crate::source::{self, FrameSource, RobotOptions, Source};
 use crate::{Error, FrameInput, FrameOutput, PipelineConfig, process};
@@ -81,8 +82,8 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
     let frame_sources =
         source::list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
     let mut questions = frame_questions(options, &frame_sources)?;
-    let perceiver =
-        Perceiver::open(&options.perception, &frame_sources, &options.models, &options.engine)?;
+    let perception = perception(options, &questions);
+    let perceiver = Perceiver::open(&perception, &frame_sources, &options.models, &options.engine)?;
     if !perceiver.knows_truth() {
         questions.forget_names();
     }
@@ -115,6 +116,16 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
     }
     let notes = perceiver.notes().to_vec();
     Ok(RunResult { frames, recordings, scores, notes, unasked: questions.unasked })
+}
+
+/// Where detections come from, with what the questions need of it.
+fn perception(options: &RunOptions, questions: &FrameQuestions) -> PerceptionSource {
+    let PerceptionSource::Light(demographics) = &options.perception else {
+        return options.perception.clone();
+    };
+    let asked = questions.per_frame.iter().flatten();
+    let queries: Vec<_> = asked.map(|q| read_or_report(&q.text, &options.config.parser)).collect();
+    PerceptionSource::Light(demographics.for_queries(&queries))
 }
 
 fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {

@@ -311,7 +311,7 @@ fn bad_usage_is_told_apart_from_failed_work() {
         (&["run", "--scene", scene.root(), "--frames", "7..9"], "expected frames 7..9"),
         (
             &["run", "--scene", scene.root(), "--perception", "eyes"],
-            "expected labels, file:PATH or ssdlite",
+            "expected labels, file:PATH, ssdlite or light",
         ),
         (
             &["run", "--scene", scene.root(), "--perception", "ssdlite", "--models", &missing],

@@ -50,7 +50,7 @@ fn attributes(value: &Value) -> Attributes {
         gender: belief(value, "gender", Gender::from_word),
         race: belief(value, "race", Race::from_word),
         action: belief(value, "action", Action::from_word),
-        facing: Belief::default(),
+        ..Attributes::default()
     }
 }
 

@@ -8,7 +8,7 @@ use crate::artefact::Payload;
 use crate::geometry::{Box3d, ImageGeometry, PixelBox};
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::vocab::{Action, Age, Facing, Gender, Occlusion, Race};
+use crate::vocab::{Action, Age, Color, Facing, Gender, Occlusion, Race};
 
 /// Probabilities of the values of one attribute; a value that is absent has probability 0, and an
 /// empty belief means "unknown".
@@ -82,6 +82,12 @@ pub struct Attributes {
     /// Which way its front points in the picture.
     #[serde(default, skip_serializing_if = "Belief::is_unknown")]
     pub facing: Belief<Facing>,
+    /// Colour of what it wears above the waist.
+    #[serde(default, skip_serializing_if = "Belief::is_unknown")]
+    pub upper_color: Belief<Color>,
+    /// Colour of what it wears below the waist.
+    #[serde(default, skip_serializing_if = "Belief::is_unknown")]
+    pub lower_color: Belief<Color>,
 }
 
 /// Something a person does with another, as the labels or a model say it.

@@ -40,6 +40,10 @@ macro_rules! vocabulary {
     };
 }
 
+mod color;
+
+pub use color::Color;
+
 vocabulary! {
     /// Age group as an annotator or model sees it.
     Age {

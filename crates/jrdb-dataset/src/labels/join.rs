@@ -154,7 +154,7 @@ fn attributes(label: &SocialLabel) -> Attributes {
         action: Belief::from_label(
             label.action_label.keys().iter().find_map(|word| JrdbWord::from_jrdb_word(word)),
         ),
-        facing: Belief::default(), // the labels do not say
+        ..Attributes::default() // facing, clothes: the labels do not say
     }
 }
 

@@ -10,6 +10,7 @@ use crate::detector::{Detector, PerceptionError, check_image};
 use crate::merge::{Candidate, MergeConfig, merge};
 use crate::numbered::{category, numbered};
 use crate::resize::Region;
+use crate::tiled::in_range;
 use crate::tiles::{Tile, tiles};
 
 /// How things are looked for.
@@ -71,9 +72,6 @@ impl FlorenceDetector {
     pub fn new(model: Florence2, config: FlorenceDetectorConfig) -> Result<Self, PerceptionError> {
         let task = Task::from_tag(&config.task)
             .ok_or_else(|| PerceptionError::Task { found: config.task.clone() })?;
-        let in_range = |setting, expected, found, holds: bool| {
-            if holds { Ok(()) } else { Err(PerceptionError::Setting { setting, expected, found }) }
-        };
         let (aspect, overlap) = (config.tile_aspect, config.tile_overlap);
         in_range("tile_aspect", "in [0, 100]", aspect, (0.0..=100.0).contains(&aspect))?;
         in_range("tile_overlap", "in [0, 0.95]", overlap, (0.0..=0.95).contains(&overlap))?;

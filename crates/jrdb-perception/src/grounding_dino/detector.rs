@@ -8,6 +8,7 @@ use super::{GroundingConfig, GroundingDino};
 use crate::detector::{Detector, PerceptionError, check_image};
 use crate::merge::{Candidate, MergeConfig, merge};
 use crate::numbered::{category, numbered};
+use crate::tiled::in_range;
 use crate::tiles::{Tile, tiles};
 
 /// What is looked for, and how.
@@ -61,9 +62,6 @@ impl GroundingDetector {
         model: GroundingDino,
         config: GroundingDetectorConfig,
     ) -> Result<Self, PerceptionError> {
-        let in_range = |setting, expected, found, holds: bool| {
-            if holds { Ok(()) } else { Err(PerceptionError::Setting { setting, expected, found }) }
-        };
         let (aspect, overlap) = (config.tile_aspect, config.tile_overlap);
         let count = config.phrases.len() as f64;
         in_range("number of phrases", "at least 1", count, count > 0.0)?;

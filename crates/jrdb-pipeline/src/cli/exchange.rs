@@ -42,7 +42,7 @@ pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
     let frames = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
     let perception = &args.perception;
     let engine = perception.engine();
-    let perceiver = Perceiver::open(&perception.perception, &frames, &perception.models, &engine)?;
+    let perceiver = Perceiver::open(&perception.source(), &frames, &perception.models, &engine)?;
     perceiver.notes().iter().for_each(|note| eprintln!("{note}"));
     let mut lines = Vec::new();
     for frame in &frames {

