@@ -18,7 +18,7 @@ use jrdb_pipeline::synth::{Practice, practice};
 use rayon::prelude::*;
 
 fn main() -> Result<()> {
-    let options = Options::parse(std::env::args().skip(1).collect())?;
+    let options = Options::parse(&std::env::args().skip(1).collect::<Vec<_>>())?;
     let backbone = Backbone::named("demo", &options.models)?;
     let whole = backbone.open("demo", &options.models, &options.engine)?;
     let single = backbone.one_tile().open("demo", &options.models, &options.engine)?;
@@ -45,7 +45,7 @@ struct Options {
 }
 
 impl Options {
-    fn parse(arguments: Vec<String>) -> Result<Self> {
+    fn parse(arguments: &[String]) -> Result<Self> {
         let (models, engine) = (PathBuf::from("models"), EngineOptions::default());
         let mut options = Self { models, seed: 5_000_000, scenes: 60, engine };
         for flag in arguments.chunks(2) {

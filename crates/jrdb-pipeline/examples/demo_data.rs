@@ -18,7 +18,7 @@ use jrdb_pipeline::synth::{InTile, TILE_PX, View, practice};
 use jrdb_types::PixelBox;
 
 fn main() -> Result<()> {
-    let options = Options::parse(std::env::args().skip(1).collect())?;
+    let options = Options::parse(&std::env::args().skip(1).collect::<Vec<_>>())?;
     let (side, small) = (options.side, options.crop);
     std::fs::create_dir_all(&options.out)?;
     let (mut tiles, mut boxes, mut crops, mut labels) = (vec![], vec![], vec![], vec![]);
@@ -91,7 +91,7 @@ struct Options {
 }
 
 impl Options {
-    fn parse(arguments: Vec<String>) -> Result<Self> {
+    fn parse(arguments: &[String]) -> Result<Self> {
         let Some((out, flags)) = arguments.split_first() else { bail!("expected a folder") };
         let mut options = Self {
             out: out.into(),

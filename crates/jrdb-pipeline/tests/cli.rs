@@ -304,15 +304,20 @@ fn a_broken_calibration_is_bad_input() {
 fn bad_usage_is_told_apart_from_failed_work() {
     let scene = Scene::new();
     let missing = scene.path("nowhere").to_str().unwrap().to_string();
-    let cases: [(&[&str], &str); 9] = [
+    let cases: [(&[&str], &str); 11] = [
         (&["run"], "expected --scene DIR"),
         (&["run", "--scene", &missing], "nowhere"),
         (&["run", "--scene", scene.root(), "--frames", "3..3"], "expected A..B with A < B"),
         (&["run", "--scene", scene.root(), "--frames", "7..9"], "expected frames 7..9"),
         (
             &["run", "--scene", scene.root(), "--perception", "eyes"],
-            "expected labels, file:PATH, ssdlite or light",
+            "or one of demo, florence2-internvl, paper",
         ),
+        (
+            &["run", "--scene", scene.root(), "--perception", "my eyes"],
+            "expected labels, file:PATH",
+        ),
+        (&["run", "--scene", scene.root(), "--perception", "replay:no.jsonl"], "no.jsonl"),
         (
             &["run", "--scene", scene.root(), "--perception", "ssdlite", "--models", &missing],
             "ssdlite-mbv2",
@@ -532,4 +537,47 @@ fn a_robot_that_stands_sees_who_moves_with_whom() {
         !pairs.iter().any(|pair| pair.contains("pedestrian:8")),
         "pedestrian:8 stands: {pairs:?}"
     );
+}
+
+#[test]
+fn a_recording_plays_what_was_recorded_and_broken_lines_are_told() {
+    let scene = Scene::new();
+    let out = scene.path("exchange");
+    let out = out.to_str().unwrap();
+    let ran = jrdb(&["exchange", "--scene", scene.root(), "--perception", "labels", "--out", out]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &["exchange.jsonl", "without a reply"]);
+    let file = format!("{out}/exchange.jsonl");
+    let replay = format!("replay:{file}");
+    let question = ["--query", "How many people are there?", "--format", "json"];
+    let ask = |perception: &str| {
+        let run = ["run", "--scene", scene.root(), "--perception", perception];
+        jrdb(&[&run[..], &question[..]].concat())
+    };
+    let number = |ran: &Ran| {
+        let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+        value["answers"][0]["data"]["reply"]["number"].as_u64().unwrap()
+    };
+    assert!(number(&ask("labels")) > 0);
+    assert_eq!(number(&ask(&replay)), number(&ask("labels")));
+    std::fs::write(&file, "{\"reply\": {}}\n").unwrap();
+    let broken = ask(&replay);
+    assert_eq!(broken.code, 2);
+    contains(&broken.err, &["exchange.jsonl", "line 1"]);
+}
+
+#[test]
+fn the_demo_says_that_it_knows_drawings_only() {
+    let scene = Scene::new();
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    let run = ["run", "--scene", scene.root(), "--perception", "demo", "--models", models];
+    let ran =
+        jrdb(&[&run[..], &["--engine", "rten", "--query", "Who is there?", "--profile"]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &["trained on drawings and know nothing else"]);
+    contains(&ran.err, &["florence2/vision_encoder", "internvl35/decoder_model_merged", "calls/s"]);
+    let nowhere =
+        jrdb(&["run", "--scene", scene.root(), "--perception", "demo", "--models", "nowhere"]);
+    assert_eq!(nowhere.code, 2);
+    contains(&nowhere.err, &["nowhere/demo/florence2"]);
 }

@@ -126,7 +126,7 @@ impl Detector for FlorenceDetector {
             tiles.par_iter().map(|tile| self.look(image, Region::of_tile(*tile, image))).collect();
         let mut candidates = Vec::new();
         for (tile, look) in tiles.iter().zip(looks) {
-            candidates.extend(look?.into_iter().filter_map(|one| candidate(one, *tile)));
+            candidates.extend(look?.iter().filter_map(|one| candidate(one, *tile)));
         }
         let kept = merge(&candidates, &tiles, geometry, &self.config.merge);
         let frame = frame.clone();
@@ -144,10 +144,10 @@ impl Detector for FlorenceDetector {
 }
 
 /// A proper box of a tile; the model may say inverted ones.
-fn candidate(said: Said, tile: Tile) -> Option<Candidate> {
+fn candidate(said: &Said, tile: Tile) -> Option<Candidate> {
     let [x0, y0, x1, y1] = said.corners;
     let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
     let category = category(&said.label);
     let keep = in_tile.is_proper() && !category.is_empty();
-    keep.then(|| Candidate { in_tile, tile, score: said.score, category })
+    keep.then_some(Candidate { in_tile, tile, score: said.score, category })
 }
