@@ -148,7 +148,7 @@ mod tests {
             let start =
                 if start > 500.0 + f64::from(tile.width_px) / 2.0 { start - 1000.0 } else { start };
             let (left, right) = (start.max(0.0), (start + thing.w).min(f64::from(tile.width_px)));
-            (right - left > 3.0).then(|| PixelBox { x: left, w: right - left, ..*thing })
+            (right - left > 3.0).then_some(PixelBox { x: left, w: right - left, ..*thing })
         };
         let all = tiles.iter().flat_map(|tile| things.iter().map(move |thing| (tile, thing)));
         all.filter_map(|(tile, thing)| {
