@@ -6,6 +6,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::log_sum_exp::{highest, log_sum_exp};
+
 /// How sequences are searched for: the fields of a `generation_config.json` that matter without sampling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
@@ -264,21 +266,12 @@ fn forbid_repeats(scores: &mut [f32], ids: &[u32], size: usize) {
     }
 }
 
-/// Natural logarithm of the sum of exponentials: what turns scores into log-probabilities.
-pub(crate) fn log_sum_exp(scores: &[f32]) -> f64 {
-    let highest = scores.iter().copied().fold(f32::NEG_INFINITY, f32::max);
-    let sum: f64 = scores.iter().map(|score| f64::from((score - highest).exp())).sum();
-    f64::from(highest) + sum.ln()
-}
-
 /// The best token and its score; the first of equals; none if no score is a number above negative infinity.
 fn best(scores: &[f32]) -> Option<(u32, f32)> {
-    let better = |best: Option<(u32, f32)>, (token, &score): (u32, &f32)| match best {
-        Some((_, high)) if score <= high || score.is_nan() => best,
-        None if score == f32::NEG_INFINITY || score.is_nan() => None,
-        _ => Some((token, score)),
-    };
-    (0..).zip(scores).fold(None, better)
+    let highest = highest(scores);
+    let is_some = highest > f32::NEG_INFINITY;
+    let (token, score) = (0..).zip(scores).find(|(_, score)| is_some && **score == highest)?;
+    Some((token, *score))
 }
 
 /// The best tokens, best first, the first of equals first.

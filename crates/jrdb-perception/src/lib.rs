@@ -12,6 +12,7 @@ pub mod face;
 mod facing;
 pub mod florence2;
 pub mod grounding_dino;
+mod log_sum_exp;
 pub mod merge;
 pub mod nanodet;
 pub mod nms;

@@ -12,7 +12,7 @@ use jrdb_perception::Tensor;
 use jrdb_perception::decode::{DecodeConfig, EndTokens};
 use jrdb_perception::florence2::{
     Answer, DecoderParts, Florence2, Florence2Config, Florence2Parts, Grammar, Labelled, Region,
-    Task,
+    Reply, Task,
 };
 use jrdb_perception::tokens::Tokens;
 use serde_json::{Value, json};
@@ -108,7 +108,9 @@ fn conformance_florence2_generations() {
                 let seen = model.see(&model.config().picture.prepare(&image)).unwrap();
                 for (name, mode) in modes {
                     let (config, expected) = (decode_config(mode), &case["modes"][name]);
-                    let reply = model.ask_again(&seen, &task, &config).unwrap();
+                    let sequence = model.answer(&seen, &prompt, &config).unwrap();
+                    let text = model.tokens().decode(&sequence.ids).unwrap();
+                    let reply = Reply { sequence, text };
                     let mut wanted = ids(&expected["ids"]);
                     while wanted.last() == Some(&1) {
                         wanted.pop();
@@ -206,13 +208,14 @@ fn conformance_florence2_log_probabilities_are_those_of_teacher_forcing() {
     let reply = model.ask(&image, &Task::ObjectDetection).unwrap();
     let greedy = DecodeConfig { num_beams: 1, ..model.config().decode.clone() };
     let seen = model.see(&model.config().picture.prepare(&image)).unwrap();
-    let reply_greedy = model.ask_again(&seen, &Task::ObjectDetection, &greedy).unwrap();
-    assert_eq!(reply.sequence.ids, reply_greedy.sequence.ids);
+    let prompt = model.spell(&Task::ObjectDetection).unwrap();
+    let said = model.answer(&seen, &prompt, &greedy).unwrap();
+    assert_eq!(reply.sequence.ids, said.ids);
     let given = &reply.sequence.ids[..reply.sequence.ids.len() - 1];
     let data = given.iter().map(|id| i64::from(*id)).collect();
     let all = Tensor::I64 { shape: vec![1, given.len()], data };
     let embeds = embed.run(&[("input_ids", &all)], &["inputs_embeds"]).unwrap().remove(0);
-    let (hidden, mask) = model.encode(&seen, &Task::ObjectDetection.prompt()).unwrap();
+    let (hidden, mask) = model.encode(&seen, &prompt).unwrap();
     let inputs = [
         ("encoder_attention_mask", &mask),
         ("encoder_hidden_states", &hidden),
@@ -225,6 +228,6 @@ fn conformance_florence2_log_probabilities_are_those_of_teacher_forcing() {
         let sum: f64 = row.iter().map(|score| f64::from(*score).exp()).sum();
         let token = reply.sequence.ids[place + 1] as usize;
         let forced = f64::from(row[token]) - sum.ln();
-        assert!((forced - reply_greedy.sequence.log_probs[place]).abs() < 1e-4, "{place}");
+        assert!((forced - said.log_probs[place]).abs() < 1e-4, "{place}");
     }
 }

@@ -48,13 +48,14 @@ fn measure(model: &Florence2, profile: &Profile) -> Result<()> {
         .iter()
         .map(|picture| model.see(&model.config().picture.prepare(picture)))
         .collect::<Result<Vec<_>, _>>()?;
+    let prompt = model.spell(&Task::ObjectDetection)?;
     let mut best: Option<(usize, f64, f64)> = None;
     for _ in 0..ROUNDS {
         let (before, started) = (engine_s(profile), Instant::now());
         let mut tokens = 0;
         for seen in &seen {
-            let reply = model.ask_again(seen, &Task::ObjectDetection, &model.config().decode)?;
-            tokens += reply.sequence.log_probs.len();
+            let sequence = model.answer(seen, &prompt, &model.config().decode)?;
+            tokens += sequence.log_probs.len();
         }
         let all = started.elapsed().as_secs_f64();
         let engine = engine_s(profile) - before;

@@ -231,6 +231,9 @@ fn last_rows(logits: &Held) -> Result<Logits, PerceptionError> {
         return Err(PerceptionError::Output { name: "logits", expected, found });
     };
     let width = (places * vocabulary).max(1);
-    let last = |row: &[f32]| row[row.len() - vocabulary..].to_vec();
-    Ok(data.chunks_exact(width).flat_map(last).collect())
+    let mut last = Vec::with_capacity(data.len() / width * vocabulary);
+    for row in data.chunks_exact(width) {
+        last.extend_from_slice(&row[width - vocabulary..]);
+    }
+    Ok(last)
 }

@@ -58,7 +58,7 @@ impl FlorenceDetectorConfig {
 pub struct FlorenceDetector {
     model: Florence2,
     config: FlorenceDetectorConfig,
-    task: Task,
+    prompt: Vec<u32>,
     /// The id of `<loc_0>`.
     first_location: u32,
 }
@@ -83,7 +83,8 @@ impl FlorenceDetector {
                 token: "<loc_999> behind the other locations".into(),
             });
         }
-        Ok(Self { model, config, task, first_location })
+        let prompt = model.spell(&task)?;
+        Ok(Self { model, config, prompt, first_location })
     }
 
     /// The boxes that the model sees in a part of a picture, in pixels of that part, as it said them.
@@ -97,9 +98,9 @@ impl FlorenceDetector {
         check_image(image)?;
         let config = self.model.config();
         let seen = self.model.see(&config.picture.prepare_part(image, part))?;
-        let reply = self.model.ask_again(&seen, &self.task, &config.decode)?;
+        let sequence = self.model.answer(&seen, &self.prompt, &config.decode)?;
         let size_px = [part.width_px as f64, part.height_px as f64];
-        let found = said(&reply.sequence, self.first_location, size_px);
+        let found = said(&sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
         found.into_iter().map(|one| one.labelled(label)).collect()
     }

@@ -115,7 +115,17 @@ impl Florence2 {
     pub fn ask(&self, image: &Image, task: &Task) -> Result<Reply, PerceptionError> {
         check_image(image)?;
         let seen = self.see(&self.config.picture.prepare(image))?;
-        self.ask_again(&seen, task, &self.config.decode)
+        let sequence = self.answer(&seen, &self.spell(task)?, &self.config.decode)?;
+        let text = self.tokens.decode(&sequence.ids)?;
+        Ok(Reply { sequence, text })
+    }
+
+    /// The ids of a task's prompt.
+    ///
+    /// # Errors
+    /// When the prompt cannot be spelled.
+    pub fn spell(&self, task: &Task) -> Result<Vec<u32>, PerceptionError> {
+        self.tokens.encode_input(&task.prompt())
     }
 
     /// The image tokens of a prepared picture, f32 `[1, tokens, hidden]`.
@@ -127,24 +137,22 @@ impl Florence2 {
         one(self.vision_encoder.run(&[("pixel_values", &pixels)], &["image_features"])?)
     }
 
-    /// Asks about image tokens.
+    /// Answers a prompt about image tokens.
     ///
     /// # Errors
-    /// When the prompt cannot be spelled or a graph fails.
-    pub fn ask_again(
+    /// When a graph fails.
+    pub fn answer(
         &self,
         seen: &Tensor,
-        task: &Task,
+        prompt: &[u32],
         config: &DecodeConfig,
-    ) -> Result<Reply, PerceptionError> {
-        let (hidden, mask) = self.encode(seen, &task.prompt())?;
+    ) -> Result<Sequence, PerceptionError> {
+        let (hidden, mask) = self.encode(seen, prompt)?;
         let mut state = self.decoder.start(&hidden, &mask);
         let embed = |ids: &[u32]| self.embed(ids, [ids.len(), 1]);
-        let sequence = decode(self.config.start_token, config, |last, rows| {
+        decode(self.config.start_token, config, |last, rows| {
             self.decoder.step(&mut state, &embed(last)?, rows)
-        })?;
-        let text = self.tokens.decode(&sequence.ids)?;
-        Ok(Reply { sequence, text })
+        })
     }
 
     /// Reads a reply to a task about a picture of this size, pixels.
@@ -156,10 +164,13 @@ impl Florence2 {
     /// What the decoder attends to, f32 `[1, tokens, hidden]`, and its mask.
     ///
     /// # Errors
-    /// When the prompt cannot be spelled or the graph fails.
-    pub fn encode(&self, seen: &Tensor, prompt: &str) -> Result<(Tensor, Tensor), PerceptionError> {
-        let ids = self.tokens.encode_input(prompt)?;
-        let words = self.embed(&ids, [1, ids.len()])?;
+    /// When the graph fails.
+    pub fn encode(
+        &self,
+        seen: &Tensor,
+        prompt: &[u32],
+    ) -> Result<(Tensor, Tensor), PerceptionError> {
+        let words = self.embed(prompt, [1, prompt.len()])?;
         let embeds = join(seen, &words)?;
         let length = embeds.shape()[1];
         let mask = Tensor::I64 { shape: vec![1, length], data: vec![1; length] };

@@ -24,9 +24,10 @@ pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
 pub use reply::label_in;
 pub use score::LabelScore;
 
-use crate::decode::{DecodeConfig, Sequence, decode, log_sum_exp};
+use crate::decode::{DecodeConfig, Sequence, decode};
 use crate::detector::PerceptionError;
 use crate::engine::{Engine, Held, Tensor};
+use crate::log_sum_exp::log_sum_exp;
 use crate::tokens::Tokens;
 use causal::Causal;
 
