@@ -22,6 +22,7 @@ pub mod picture;
 mod posture;
 pub mod resize;
 pub mod ssdlite;
+pub mod sweep;
 pub mod tensor;
 mod tiled;
 pub mod tiles;

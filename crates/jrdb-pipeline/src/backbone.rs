@@ -12,6 +12,7 @@ use jrdb_perception::florence2::{
 use jrdb_perception::grounding_dino::{
     CanvasConfig, GroundingDetector, GroundingDetectorConfig, GroundingDino,
 };
+use jrdb_perception::sweep::SweepConfig;
 use jrdb_perception::tokens::Tokens;
 use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes,
@@ -142,14 +143,11 @@ impl Backbone {
     #[must_use]
     pub fn one_tile(&self) -> Self {
         let mut single = self.clone();
-        match &mut single.detector {
-            DetectorFiles::Florence2 { settings, .. } => {
-                (settings.tile_aspect, settings.wraps) = (0.0, false);
-            }
-            DetectorFiles::GroundingDino { settings, .. } => {
-                (settings.tile_aspect, settings.wraps) = (0.0, false);
-            }
-        }
+        let (DetectorFiles::Florence2 { settings: FlorenceDetectorConfig { tiles, .. }, .. }
+        | DetectorFiles::GroundingDino {
+            settings: GroundingDetectorConfig { tiles, .. }, ..
+        }) = &mut single.detector;
+        *tiles = SweepConfig::one_tile();
         single
     }
 

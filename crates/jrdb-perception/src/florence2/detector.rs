@@ -1,17 +1,16 @@
 //! People and things in a panorama by asking Florence-2 about wrapped tiles.
 
-use jrdb_types::{Detections, FrameId, Image, ImageGeometry, PixelBox};
-use rayon::prelude::*;
+use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
 use super::said::{Said, said};
 use super::{Florence2, Task};
 use crate::detector::{Detector, PerceptionError, check_image};
-use crate::merge::{Candidate, MergeConfig, merge};
-use crate::numbered::{category, numbered};
+use crate::merge::Candidate;
+use crate::numbered::category;
 use crate::resize::Region;
-use crate::tiled::in_range;
-use crate::tiles::{Tile, tiles};
+use crate::sweep::SweepConfig;
+use crate::tiles::Tile;
 
 /// How things are looked for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -19,36 +18,14 @@ use crate::tiles::{Tile, tiles};
 pub struct FlorenceDetectorConfig {
     /// The task, as Florence-2 writes it: `<OD>` for everything, `<OPEN_VOCABULARY_DETECTION>person` for people.
     pub task: String,
-    /// Whether the image is a panorama whose last column borders on the first.
-    pub wraps: bool,
-    /// Width of a tile as a part of the image's height; in `(0, 100]`, 0 for the whole image as one.
-    ///
-    /// Default 4/3: one location bin is then 0.64 pixels of JRDB's panorama, where the whole image in one piece has 3.8.
-    pub tile_aspect: f64,
-    /// Part of its width that a tile shares with the next at least; in `[0, 0.95]`. Default 0.41: ten tiles of 640 pixels.
-    pub tile_overlap: f64,
-    /// How what several tiles show becomes one.
-    pub merge: MergeConfig,
+    /// How the panorama is cut into tiles.
+    pub tiles: SweepConfig,
 }
 
 impl Default for FlorenceDetectorConfig {
     /// Everything, on tiles.
     fn default() -> Self {
-        Self {
-            task: "<OD>".into(),
-            wraps: true,
-            tile_aspect: 4.0 / 3.0,
-            tile_overlap: 0.41,
-            merge: MergeConfig::default(),
-        }
-    }
-}
-
-impl FlorenceDetectorConfig {
-    /// As the paper has it: the whole panorama squashed into the model's square, nothing merged.
-    #[must_use]
-    pub fn paper() -> Self {
-        Self { tile_aspect: 0.0, tile_overlap: 0.0, ..Self::default() }
+        Self { task: "<OD>".into(), tiles: SweepConfig::default() }
     }
 }
 
@@ -72,10 +49,7 @@ impl FlorenceDetector {
     pub fn new(model: Florence2, config: FlorenceDetectorConfig) -> Result<Self, PerceptionError> {
         let task = Task::from_tag(&config.task)
             .ok_or_else(|| PerceptionError::Task { found: config.task.clone() })?;
-        let (aspect, overlap) = (config.tile_aspect, config.tile_overlap);
-        in_range("tile_aspect", "in [0, 100]", aspect, (0.0..=100.0).contains(&aspect))?;
-        in_range("tile_overlap", "in [0, 0.95]", overlap, (0.0..=0.95).contains(&overlap))?;
-        config.merge.check()?;
+        config.tiles.check()?;
         let (first_location, last) =
             (model.tokens().id("<loc_0>")?, model.tokens().id("<loc_999>")?);
         if last != first_location + 999 {
@@ -104,34 +78,14 @@ impl FlorenceDetector {
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
         found.into_iter().map(|one| one.labelled(label)).collect()
     }
-
-    fn tiles(&self, image: ImageGeometry) -> Vec<Tile> {
-        if self.config.tile_aspect == 0.0 {
-            return vec![Tile { x_px: 0, width_px: image.width_px }];
-        }
-        let width_px = (self.config.tile_aspect * f64::from(image.height_px)).round() as u32;
-        tiles(image, width_px, self.config.tile_overlap)
-    }
 }
 
 impl Detector for FlorenceDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
-        check_image(image)?;
-        let geometry = ImageGeometry {
-            width_px: image.width as u32,
-            height_px: image.height as u32,
-            wraps: self.config.wraps,
-        };
-        let tiles = self.tiles(geometry);
-        let looks: Vec<Result<Vec<Said>, _>> =
-            tiles.par_iter().map(|tile| self.look(image, Region::of_tile(*tile, image))).collect();
-        let mut candidates = Vec::new();
-        for (tile, look) in tiles.iter().zip(looks) {
-            candidates.extend(look?.iter().filter_map(|one| candidate(one, *tile)));
-        }
-        let kept = merge(&candidates, &tiles, geometry, &self.config.merge);
-        let frame = frame.clone();
-        Ok(Detections { frame, image: geometry, detections: numbered(kept), issues: Vec::new() })
+        self.config.tiles.sweep(image, frame, |tile| {
+            let said = self.look(image, Region::of_tile(tile, image))?;
+            Ok(said.iter().filter_map(|one| candidate(one, tile)).collect())
+        })
     }
 
     fn config(&self) -> serde_json::Value {
