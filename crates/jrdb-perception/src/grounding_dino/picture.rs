@@ -51,7 +51,7 @@ impl CanvasConfig {
     /// Reads the text of a `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if the canvas cannot hold what it must.
+    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out of range.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
         let file: File = parse_json("preprocessor_config.json", text)?;
         let (shortest_px, longest_px) = (file.size.shortest_edge, file.size.longest_edge);
@@ -65,14 +65,9 @@ impl CanvasConfig {
             image_std: file.image_std,
         };
         picture.check()?;
-        let least = size.width.min(size.height);
-        if shortest_px == 0 || longest_px > least {
-            let expected = "a canvas at least as large as the longest edge";
-            return Err(PerceptionError::Setting {
-                setting: "pad_size",
-                expected,
-                found: least as f64,
-            });
+        if shortest_px == 0 {
+            let (setting, expected) = ("shortest_edge", "at least 1");
+            return Err(PerceptionError::Setting { setting, expected, found: 0.0 });
         }
         Ok(Self { shortest_px, longest_px, picture })
     }
@@ -100,11 +95,19 @@ impl CanvasConfig {
         if width < height { [side, other(height, width)] } else { [other(width, height), side] }
     }
 
+    /// Columns and rows of a picture on the canvas: as the reference resizes it, and smaller where the canvas would not hold that.
+    fn fitted(&self, size_px: [usize; 2]) -> [usize; 2] {
+        let sides = Self::resized(size_px, self.shortest_px, self.longest_px);
+        let canvas = [self.picture.size.width, self.picture.size.height];
+        let shrink = [0, 1].map(|axis| canvas[axis] as f64 / sides[axis] as f64);
+        let shrink = shrink[0].min(shrink[1]).min(1.0);
+        [0, 1].map(|axis| ((sides[axis] as f64 * shrink).round() as usize).clamp(1, canvas[axis]))
+    }
+
     /// Puts a picture on the canvas, in its upper left corner.
     #[must_use]
     pub fn prepare(&self, image: &Image) -> Canvas {
-        let size = [image.width, image.height];
-        let [width, height] = Self::resized(size, self.shortest_px, self.longest_px);
+        let [width, height] = self.fitted([image.width, image.height]);
         let small = self.picture.planes(&resize(image, width, height, self.picture.filter()));
         let canvas = self.picture.size;
         let area = canvas.width * canvas.height;
@@ -120,5 +123,38 @@ impl CanvasConfig {
             mask: Tensor::I64 { shape: vec![1, canvas.height, canvas.width], data: mask },
             size_px: [width, height],
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A canvas as the exporter writes it for tiles of a panorama.
+    fn oblong() -> CanvasConfig {
+        let text = r#"{"size": {"shortest_edge": 80, "longest_edge": 133}, "pad_size": {"height": 80, "width": 108}, "resample": 2,
+            "rescale_factor": 0.00392156862745098, "image_mean": [0.485, 0.456, 0.406], "image_std": [0.229, 0.224, 0.225]}"#;
+        CanvasConfig::from_json(text).unwrap()
+    }
+
+    #[test]
+    fn pictures_that_the_canvas_holds_are_as_large_as_the_reference_makes_them() {
+        assert_eq!(oblong().fitted([640, 480]), [106, 80]);
+        assert_eq!(oblong().fitted([480, 480]), [80, 80]);
+    }
+
+    #[test]
+    fn others_become_smaller() {
+        assert_eq!(oblong().fitted([480, 640]), [60, 80]);
+        assert_eq!(oblong().fitted([1880, 240]), [108, 14]);
+        assert_eq!(oblong().fitted([1, 9000]), [1, 80]);
+        let tall = Image { width: 30, height: 90, rgb: vec![255; 3 * 30 * 90] };
+        let canvas = oblong().prepare(&tall);
+        assert_eq!(canvas.size_px, [26, 80]);
+        let Tensor::I64 { shape, data } = &canvas.mask else { panic!("a mask is of integers") };
+        assert_eq!(
+            (shape.as_slice(), data.iter().sum::<i64>()),
+            ([1, 80, 108].as_slice(), 26 * 80)
+        );
     }
 }

@@ -47,12 +47,14 @@ struct TextFile {
     num_key_value_heads: usize,
     num_attention_heads: usize,
     hidden_size: usize,
+    head_dim: Option<usize>,
 }
 
 #[derive(Deserialize)]
 struct PictureFile {
-    min_pixels: usize,
-    max_pixels: usize,
+    min_pixels: Option<usize>,
+    max_pixels: Option<usize>,
+    size: Option<PixelsFile>,
     patch_size: usize,
     merge_size: usize,
     temporal_patch_size: usize,
@@ -62,6 +64,26 @@ struct PictureFile {
     rescale_factor: f64,
     image_mean: [f64; 3],
     image_std: [f64; 3],
+}
+
+/// Where newer files keep fewest and most pixels, by names that promise sides.
+#[derive(Deserialize)]
+struct PixelsFile {
+    #[serde(alias = "min_pixels")]
+    shortest_edge: Option<usize>,
+    #[serde(alias = "max_pixels")]
+    longest_edge: Option<usize>,
+}
+
+impl PictureFile {
+    fn pixels(&self) -> Result<[usize; 2], PerceptionError> {
+        let newer = self.size.as_ref();
+        let fewest = self.min_pixels.or(newer.and_then(|size| size.shortest_edge));
+        let most = self.max_pixels.or(newer.and_then(|size| size.longest_edge));
+        let (setting, expected) = ("min_pixels and max_pixels", "in preprocessor_config.json");
+        let missing = PerceptionError::Setting { setting, expected, found: 0.0 };
+        fewest.zip(most).map(Into::into).ok_or(missing)
+    }
 }
 
 fn bicubic() -> u8 {
@@ -103,6 +125,7 @@ impl Qwen25VlConfig {
         let (setting, expected) = ("text model's sizes", "in config.json");
         let text = model.text_config.or(model.flat);
         let text = text.ok_or(PerceptionError::Setting { setting, expected, found: 0.0 })?;
+        let shared_width = text.hidden_size / text.num_attention_heads.max(1);
         let in_range = (1..=64).contains(&file.patch_size) && (1..=8).contains(&file.merge_size);
         if !in_range || !(1..=8).contains(&file.temporal_patch_size) {
             let (setting, expected) =
@@ -122,13 +145,13 @@ impl Qwen25VlConfig {
         };
         picture.check()?;
         Ok(Self {
-            pixels: [file.min_pixels, file.max_pixels],
+            pixels: file.pixels()?,
             patch_px: file.patch_size,
             merge: file.merge_size,
             frames: file.temporal_patch_size,
             picture,
             cache_heads: text.num_key_value_heads,
-            cache_width: text.hidden_size / text.num_attention_heads.max(1),
+            cache_width: text.head_dim.unwrap_or(shared_width),
             image_token: model.image_token_id,
             decode: parse_json("generation_config.json", generation)?,
         })
@@ -306,6 +329,33 @@ pub fn json_boxes(answer: &str, scale: [f64; 2]) -> Result<Vec<JsonBox>, Percept
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn files_of_every_age_are_read() {
+        let sizes = r#""num_key_value_heads": 2, "num_attention_heads": 16, "hidden_size": 2048"#;
+        let flat = format!(r#"{{"image_token_id": 7, {sizes}}}"#);
+        let nested = format!(
+            r#"{{"image_token_id": 7, "hidden_size": 1, "text_config": {{{sizes}, "head_dim": 64}}}}"#
+        );
+        let read = |config: &str, pixels: &str| {
+            let picture = format!(
+                r#"{{{pixels} "patch_size": 14, "merge_size": 2, "temporal_patch_size": 2,
+                    "image_mean": [0.5, 0.5, 0.5], "image_std": [0.3, 0.3, 0.3]}}"#
+            );
+            Qwen25VlConfig::from_json(config, r#"{"eos_token_id": [2, 3]}"#, &picture)
+        };
+        for pixels in [
+            r#""min_pixels": 10, "max_pixels": 20,"#,
+            r#""min_pixels": null, "max_pixels": null, "size": {"shortest_edge": 10, "longest_edge": 20},"#,
+            r#""size": {"min_pixels": 10, "max_pixels": 20},"#,
+        ] {
+            let (older, newer) = (read(&flat, pixels).unwrap(), read(&nested, pixels).unwrap());
+            assert_eq!((older.pixels, older.cache_heads, older.cache_width), ([10, 20], 2, 128));
+            assert_eq!((newer.pixels, newer.cache_heads, newer.cache_width), ([10, 20], 2, 64));
+        }
+        let error = read(&flat, r#""min_pixels": 10,"#).unwrap_err().to_string();
+        assert!(error.contains("min_pixels and max_pixels"), "{error}");
+    }
 
     #[test]
     fn answers_come_in_many_forms() {
