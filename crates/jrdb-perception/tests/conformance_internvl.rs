@@ -10,7 +10,7 @@ use std::path::Path;
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
 use jrdb_perception::tokens::Tokens;
-use jrdb_perception::vlm::{InternVlConfig, Vlm};
+use jrdb_perception::vlm::{InternVlConfig, Vlm, VlmParts};
 use serde_json::Value;
 
 const FOLDER: &str = "internvl35_tiny";
@@ -31,8 +31,14 @@ fn config(folder: &Path) -> InternVlConfig {
 fn model(folder: &Path, config: &InternVlConfig, kind: &Kind) -> Vlm {
     let graph = |name: &str| kind.open(&folder.join("onnx").join(format!("{name}.onnx")));
     let tokens = Tokens::from_json(&text(folder, "tokenizer.json")).unwrap();
-    let (vision, embed) = (graph("vision_encoder"), graph("embed_tokens"));
-    config.model(tokens, vision, embed, graph("decoder_model_merged")).unwrap()
+    Vlm::new(VlmParts {
+        text: config.text.clone(),
+        tokens,
+        vision_encoder: graph("vision_encoder"),
+        embed_tokens: graph("embed_tokens"),
+        decoder: graph("decoder_model_merged"),
+    })
+    .unwrap()
 }
 
 /// Ids in which a run of image tokens is told by its length.

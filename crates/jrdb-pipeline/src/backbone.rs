@@ -15,7 +15,7 @@ use jrdb_perception::grounding_dino::{
 use jrdb_perception::sweep::SweepConfig;
 use jrdb_perception::tokens::Tokens;
 use jrdb_perception::vlm::{
-    AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes,
+    AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
 use jrdb_perception::{AttributeModel, Detector, Engine, PerceptionError};
 use serde::Deserialize;
@@ -322,13 +322,13 @@ fn vlm(
 ) -> Result<(Vlm, Family), Error> {
     let family = family.map_err(folder.refused())?;
     let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
-    let vision = folder.open("vision_encoder", loader)?;
-    let embed = folder.open("embed_tokens", loader)?;
-    let decoder = folder.open("decoder_model_merged", loader)?;
-    let made = match &family {
-        Family::InternVl(config) => config.model(tokens, vision, embed, decoder),
-        Family::Qwen25Vl(config) => config.model(tokens, vision, embed, decoder),
-    };
+    let made = Vlm::new(VlmParts {
+        text: family.text().clone(),
+        tokens,
+        vision_encoder: folder.open("vision_encoder", loader)?,
+        embed_tokens: folder.open("embed_tokens", loader)?,
+        decoder: folder.open("decoder_model_merged", loader)?,
+    });
     Ok((made.map_err(folder.refused())?, family))
 }
 

@@ -1,5 +1,6 @@
 //! The text decoder: embeddings in, scores out, with caches that stay in the engine's memory.
 
+use super::text_model::TextModel;
 use crate::detector::PerceptionError;
 use crate::engine::{Engine, Held, Input, Tensor};
 
@@ -44,12 +45,7 @@ impl Cache {
 }
 
 impl Causal {
-    pub(super) fn new(
-        engine: Box<dyn Engine>,
-        heads: usize,
-        head_width: usize,
-        is_spatial: bool,
-    ) -> Result<Self, PerceptionError> {
+    pub(super) fn new(engine: Box<dyn Engine>, text: &TextModel) -> Result<Self, PerceptionError> {
         let caches = engine.inputs().iter().filter_map(|name| name.strip_prefix(PAST));
         let past: Vec<String> = caches.clone().map(|name| format!("{PAST}{name}")).collect();
         let present = caches.map(|name| format!("{PRESENT}{name}"));
@@ -59,7 +55,8 @@ impl Causal {
             let expected = "inputs past_key_values.* and an output present.* for each";
             return Err(PerceptionError::Graph { expected, known });
         }
-        Ok(Self { engine, past, outputs, heads, head_width, is_spatial })
+        let (heads, head_width) = (text.cache_heads, text.cache_width);
+        Ok(Self { engine, past, outputs, heads, head_width, is_spatial: text.is_spatial })
     }
 
     /// How many rows with such a cache fit into the memory that may be used.

@@ -4,6 +4,7 @@ use jrdb_types::Image;
 
 use super::internvl::InternVlConfig;
 use super::qwen25vl::Qwen25VlConfig;
+use super::text_model::TextModel;
 use super::{Place, Vlm};
 use crate::detector::PerceptionError;
 
@@ -34,6 +35,15 @@ impl Family {
         match self {
             Self::InternVl(_) => "internvl",
             Self::Qwen25Vl(_) => "qwen2.5-vl",
+        }
+    }
+
+    /// The text half.
+    #[must_use]
+    pub fn text(&self) -> &TextModel {
+        match self {
+            Self::InternVl(config) => &config.text,
+            Self::Qwen25Vl(config) => &config.text,
         }
     }
 

@@ -3,13 +3,12 @@
 use jrdb_types::Image;
 use serde::Deserialize;
 
-use super::{Vlm, VlmParts};
-use crate::decode::DecodeConfig;
+use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Tensor};
+use crate::engine::Tensor;
 use crate::picture::PictureConfig;
 use crate::resize::resize;
-use crate::tokens::{Tokens, parse_json};
+use crate::tokens::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,14 +21,8 @@ pub struct InternVlConfig {
     pub tiles: [usize; 2],
     /// Tokens of one tile.
     pub tokens_per_tile: usize,
-    /// Heads of the text model's caches.
-    pub cache_heads: usize,
-    /// Width of each.
-    pub cache_width: usize,
-    /// The token that image tokens stand for.
-    pub image_token: u32,
-    /// How answers end.
-    pub decode: DecodeConfig,
+    /// The text half.
+    pub text: TextModel,
 }
 
 #[derive(Deserialize)]
@@ -37,14 +30,6 @@ struct ModelFile {
     image_seq_length: usize,
     image_token_id: u32,
     text_config: TextFile,
-}
-
-#[derive(Deserialize)]
-struct TextFile {
-    num_key_value_heads: usize,
-    num_attention_heads: usize,
-    hidden_size: usize,
-    head_dim: Option<usize>,
 }
 
 impl InternVlConfig {
@@ -58,40 +43,11 @@ impl InternVlConfig {
         preprocessor: &str,
     ) -> Result<Self, PerceptionError> {
         let model: ModelFile = parse_json("config.json", config)?;
-        let text = model.text_config;
-        let shared_width = text.hidden_size / text.num_attention_heads.max(1);
         Ok(Self {
             picture: PictureConfig::from_json(preprocessor)?,
             tiles: [1, 1],
             tokens_per_tile: model.image_seq_length,
-            cache_heads: text.num_key_value_heads,
-            cache_width: text.head_dim.unwrap_or(shared_width),
-            image_token: model.image_token_id,
-            decode: parse_json("generation_config.json", generation)?,
-        })
-    }
-
-    /// The model of these sizes.
-    ///
-    /// # Errors
-    /// [`PerceptionError::Graph`] if the decoder has no caches.
-    pub fn model(
-        &self,
-        tokens: Tokens,
-        vision_encoder: Box<dyn Engine>,
-        embed_tokens: Box<dyn Engine>,
-        decoder: Box<dyn Engine>,
-    ) -> Result<Vlm, PerceptionError> {
-        Vlm::new(VlmParts {
-            tokens,
-            vision_encoder,
-            embed_tokens,
-            decoder,
-            cache_heads: self.cache_heads,
-            cache_width: self.cache_width,
-            is_spatial: false,
-            image_token: self.image_token,
-            decode: self.decode.clone(),
+            text: TextModel::new(&model.text_config, model.image_token_id, false, generation)?,
         })
     }
 

@@ -11,6 +11,7 @@ mod question;
 mod qwen25vl;
 mod reply;
 mod score;
+mod text_model;
 
 use std::fmt;
 
@@ -23,6 +24,7 @@ pub(crate) use question::{believed, put};
 pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
 pub use reply::label_in;
 pub use score::LabelScore;
+pub use text_model::TextModel;
 
 use crate::decode::{DecodeConfig, Sequence, decode};
 use crate::detector::PerceptionError;
@@ -42,16 +44,8 @@ pub struct VlmParts {
     pub embed_tokens: Box<dyn Engine>,
     /// Embeddings to scores of the next token.
     pub decoder: Box<dyn Engine>,
-    /// Heads of its caches.
-    pub cache_heads: usize,
-    /// Width of a head of its caches.
-    pub cache_width: usize,
-    /// Whether tokens have places in rows and columns of the picture (Qwen2.5-VL) or only in the text.
-    pub is_spatial: bool,
-    /// The token that image tokens stand for.
-    pub image_token: u32,
-    /// How answers end.
-    pub decode: DecodeConfig,
+    /// Sizes and ids of the text half.
+    pub text: TextModel,
 }
 
 /// A model that writes about pictures. May be asked from several threads at once.
@@ -60,8 +54,7 @@ pub struct Vlm {
     vision_encoder: Box<dyn Engine>,
     embed_tokens: Box<dyn Engine>,
     causal: Causal,
-    image_token: u32,
-    decode: DecodeConfig,
+    text: TextModel,
 }
 
 impl fmt::Debug for Vlm {
@@ -85,17 +78,11 @@ impl Vlm {
     /// [`PerceptionError::Graph`] if the decoder has no caches.
     pub fn new(parts: VlmParts) -> Result<Self, PerceptionError> {
         Ok(Self {
-            causal: Causal::new(
-                parts.decoder,
-                parts.cache_heads,
-                parts.cache_width,
-                parts.is_spatial,
-            )?,
+            causal: Causal::new(parts.decoder, &parts.text)?,
             tokens: parts.tokens,
             vision_encoder: parts.vision_encoder,
             embed_tokens: parts.embed_tokens,
-            image_token: parts.image_token,
-            decode: parts.decode,
+            text: parts.text,
         })
     }
 
@@ -160,8 +147,9 @@ impl Vlm {
     pub fn write(&self, read: Read, longest: usize) -> Result<Sequence, PerceptionError> {
         let Read { cache, next } = read;
         let (mut cache, mut first) = (cache, Some(next));
-        let config = DecodeConfig { num_beams: 1, max_length: longest + 1, ..self.decode.clone() };
-        let mut sequence = decode(self.image_token, &config, |last, _| {
+        let config =
+            DecodeConfig { num_beams: 1, max_length: longest + 1, ..self.text.decode.clone() };
+        let mut sequence = decode(self.text.image_token, &config, |last, _| {
             if let Some(next) = first.take() {
                 return Ok::<_, PerceptionError>(next);
             }
@@ -245,7 +233,7 @@ impl Vlm {
             return Err(PerceptionError::Output { name: "inputs_embeds", expected, found });
         };
         let width = shape.last().copied().unwrap_or(0).max(1);
-        let places = ids.iter().filter(|id| **id == self.image_token).count();
+        let places = ids.iter().filter(|id| **id == self.text.image_token).count();
         if places * width != features.len() {
             return Err(PerceptionError::Output {
                 name: "image_features",
@@ -256,7 +244,7 @@ impl Vlm {
         let images = data
             .chunks_exact_mut(width)
             .zip(ids)
-            .filter(|(_, id)| **id == self.image_token)
+            .filter(|(_, id)| **id == self.text.image_token)
             .map(|(row, _)| row);
         images
             .zip(features.chunks_exact(width))

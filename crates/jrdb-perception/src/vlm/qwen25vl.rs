@@ -3,13 +3,13 @@
 use jrdb_types::Image;
 use serde::Deserialize;
 
-use super::{Place, Vlm, VlmParts};
-use crate::decode::DecodeConfig;
+use super::Place;
+use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Tensor};
+use crate::engine::Tensor;
 use crate::picture::{PictureConfig, PictureSize};
 use crate::resize::resize;
-use crate::tokens::{Tokens, parse_json};
+use crate::tokens::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,14 +24,8 @@ pub struct Qwen25VlConfig {
     pub frames: usize,
     /// Filter and normalisation; its size is not used.
     pub picture: PictureConfig,
-    /// Heads of the text model's caches.
-    pub cache_heads: usize,
-    /// Width of each.
-    pub cache_width: usize,
-    /// The token that image tokens stand for.
-    pub image_token: u32,
-    /// How answers end.
-    pub decode: DecodeConfig,
+    /// The text half.
+    pub text: TextModel,
 }
 
 #[derive(Deserialize)]
@@ -40,14 +34,6 @@ struct ModelFile {
     #[serde(flatten)]
     flat: Option<TextFile>,
     text_config: Option<TextFile>,
-}
-
-#[derive(Deserialize)]
-struct TextFile {
-    num_key_value_heads: usize,
-    num_attention_heads: usize,
-    hidden_size: usize,
-    head_dim: Option<usize>,
 }
 
 #[derive(Deserialize)]
@@ -125,7 +111,6 @@ impl Qwen25VlConfig {
         let (setting, expected) = ("text model's sizes", "in config.json");
         let text = model.text_config.or(model.flat);
         let text = text.ok_or(PerceptionError::Setting { setting, expected, found: 0.0 })?;
-        let shared_width = text.hidden_size / text.num_attention_heads.max(1);
         let in_range = (1..=64).contains(&file.patch_size) && (1..=8).contains(&file.merge_size);
         if !in_range || !(1..=8).contains(&file.temporal_patch_size) {
             let (setting, expected) =
@@ -150,34 +135,7 @@ impl Qwen25VlConfig {
             merge: file.merge_size,
             frames: file.temporal_patch_size,
             picture,
-            cache_heads: text.num_key_value_heads,
-            cache_width: text.head_dim.unwrap_or(shared_width),
-            image_token: model.image_token_id,
-            decode: parse_json("generation_config.json", generation)?,
-        })
-    }
-
-    /// The model of these sizes.
-    ///
-    /// # Errors
-    /// [`PerceptionError::Graph`] if the decoder has no caches.
-    pub fn model(
-        &self,
-        tokens: Tokens,
-        vision_encoder: Box<dyn Engine>,
-        embed_tokens: Box<dyn Engine>,
-        decoder: Box<dyn Engine>,
-    ) -> Result<Vlm, PerceptionError> {
-        Vlm::new(VlmParts {
-            tokens,
-            vision_encoder,
-            embed_tokens,
-            decoder,
-            cache_heads: self.cache_heads,
-            cache_width: self.cache_width,
-            is_spatial: true,
-            image_token: self.image_token,
-            decode: self.decode.clone(),
+            text: TextModel::new(&text, model.image_token_id, true, generation)?,
         })
     }
 
@@ -271,8 +229,10 @@ impl Qwen25VlConfig {
     #[must_use]
     pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Place> {
         let (mut next, mut places) = (0_i64, Vec::with_capacity(ids.len()));
-        for run in ids.chunk_by(|a, b| (*a == self.image_token) == (*b == self.image_token)) {
-            if run[0] == self.image_token {
+        for run in
+            ids.chunk_by(|a, b| (*a == self.text.image_token) == (*b == self.text.image_token))
+        {
+            if run[0] == self.text.image_token {
                 let columns = columns.max(1);
                 let place =
                     |at: usize| [0, at / columns, at % columns].map(|step| next + step as i64);
@@ -350,8 +310,14 @@ mod tests {
             r#""size": {"min_pixels": 10, "max_pixels": 20},"#,
         ] {
             let (older, newer) = (read(&flat, pixels).unwrap(), read(&nested, pixels).unwrap());
-            assert_eq!((older.pixels, older.cache_heads, older.cache_width), ([10, 20], 2, 128));
-            assert_eq!((newer.pixels, newer.cache_heads, newer.cache_width), ([10, 20], 2, 64));
+            assert_eq!(
+                (older.pixels, older.text.cache_heads, older.text.cache_width),
+                ([10, 20], 2, 128)
+            );
+            assert_eq!(
+                (newer.pixels, newer.text.cache_heads, newer.text.cache_width),
+                ([10, 20], 2, 64)
+            );
         }
         let error = read(&flat, r#""min_pixels": 10,"#).unwrap_err().to_string();
         assert!(error.contains("min_pixels and max_pixels"), "{error}");
