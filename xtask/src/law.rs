@@ -35,7 +35,7 @@ pub(crate) const LAW: &[Row] = &[
         others: None,
         touches_the_world: true,
     },
-    stage("jrdb-perception", "image → detections", &["jrdb-types"]),
+    stage("jrdb-perception", "image → detections with attributes", &["jrdb-types"]),
     stage(
         "jrdb-projection",
         "points and boxes → entities in 3D and their relations",
