@@ -2,7 +2,7 @@
 
 use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 
-use crate::engine::{Cause, EngineError, Tensor};
+use crate::engine::{Cause, Engine, EngineError, Tensor};
 
 /// Finds things in an image.
 pub trait Detector {
@@ -116,6 +116,22 @@ pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
         return Err(PerceptionError::Image { width, height, bytes: rgb.len() });
     }
     Ok(())
+}
+
+/// Whether a graph has the tensors that it should have; `expected` says it in words.
+pub(crate) fn check_graph(
+    graph: &dyn Engine,
+    expected: &'static str,
+    inputs: &[&str],
+    outputs: &[&str],
+) -> Result<(), PerceptionError> {
+    let has = |known: &[String], name: &&str| known.iter().any(|one| one == name);
+    let all = inputs.iter().all(|name| has(graph.inputs(), name))
+        && outputs.iter().all(|name| has(graph.outputs(), name));
+    if all {
+        return Ok(());
+    }
+    Err(PerceptionError::Graph { expected, known: [graph.inputs(), graph.outputs()].concat() })
 }
 
 /// One output of shape `[1, count, N]` as `count` rows of `N` numbers.

@@ -41,7 +41,7 @@ fn conformance_grounding_dino_boxes_and_phrases() {
     for kind in kinds {
         let tokens = Tokens::from_json(&text(&folder, "tokenizer.json")).unwrap();
         let engine = kind.open(&folder.join("onnx/model.onnx"));
-        let model = GroundingDino::new(engine, tokens, canvas.clone());
+        let model = GroundingDino::new(engine, tokens, canvas.clone()).unwrap();
         let (mut right, mut pixels, mut logits, mut boxes) = (0, 0.0_f64, 0.0_f64, 0.0_f64);
         let cases = golden["cases"].as_array().unwrap();
         for case in cases {

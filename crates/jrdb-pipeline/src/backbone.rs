@@ -280,7 +280,8 @@ fn grounding_dino(
     let canvas = CanvasConfig::from_json(&folder.text("preprocessor_config.json")?);
     let tokens = Tokens::from_json(&folder.text("tokenizer.json")?).map_err(folder.refused())?;
     let engine = folder.open("model", loader)?;
-    let model = GroundingDino::new(engine, tokens, canvas.map_err(folder.refused())?);
+    let model = GroundingDino::new(engine, tokens, canvas.map_err(folder.refused())?)
+        .map_err(folder.refused())?;
     GroundingDetector::new(model, settings.clone()).map_err(folder.refused())
 }
 

@@ -581,3 +581,24 @@ fn the_demo_says_that_it_knows_drawings_only() {
     assert_eq!(nowhere.code, 2);
     contains(&nowhere.err, &["nowhere/demo/florence2"]);
 }
+
+#[test]
+fn a_graph_under_another_graph_s_name_is_told_before_any_frame() {
+    let scene = Scene::new();
+    let demo = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../models/demo/florence2");
+    let models = scene.path("models");
+    let folder = models.join("demo/florence2");
+    std::fs::create_dir_all(folder.join("onnx")).unwrap();
+    for file in ["config", "generation_config", "preprocessor_config", "tokenizer"] {
+        let file = format!("{file}.json");
+        std::fs::copy(demo.join(&file), folder.join(&file)).unwrap();
+    }
+    for graph in ["vision_encoder", "embed_tokens", "encoder_model", "decoder_model_merged"] {
+        let to = folder.join(format!("onnx/{graph}.onnx"));
+        std::fs::copy(demo.join("onnx/embed_tokens.onnx"), to).unwrap();
+    }
+    let models = models.to_str().unwrap();
+    let ran = jrdb(&["run", "--scene", scene.root(), "--perception", "demo", "--models", models]);
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["demo/florence2", r#"found ["input_ids", "inputs_embeds"]"#]);
+}

@@ -22,7 +22,7 @@ pub use said::Said;
 pub use task::{Region, Task};
 
 use crate::decode::{DecodeConfig, Sequence, decode};
-use crate::detector::{PerceptionError, check_image};
+use crate::detector::{PerceptionError, check_graph, check_image};
 use crate::engine::{Engine, Tensor};
 use crate::tokens::Tokens;
 use decoder::Decoder;
@@ -79,6 +79,29 @@ impl Florence2 {
     pub fn new(parts: Florence2Parts) -> Result<Self, PerceptionError> {
         let Florence2Parts { config, tokens, vision_encoder, embed_tokens, encoder, decoder } =
             parts;
+        let graphs: [(&dyn Engine, _, &[&str], &[&str]); 3] = [
+            (
+                &*vision_encoder,
+                "pixel_values and image_features (vision_encoder)",
+                &["pixel_values"],
+                &["image_features"],
+            ),
+            (
+                &*embed_tokens,
+                "input_ids and inputs_embeds (embed_tokens)",
+                &["input_ids"],
+                &["inputs_embeds"],
+            ),
+            (
+                &*encoder,
+                "attention_mask, inputs_embeds and last_hidden_state (encoder_model)",
+                &["attention_mask", "inputs_embeds"],
+                &["last_hidden_state"],
+            ),
+        ];
+        for (graph, expected, inputs, outputs) in graphs {
+            check_graph(graph, expected, inputs, outputs)?;
+        }
         let head = config.hidden / config.heads.max(1);
         Ok(Self {
             decoder: Decoder::new(decoder, config.heads, head)?,

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub use detector::{GroundingDetector, GroundingDetectorConfig};
 pub use picture::{Canvas, CanvasConfig};
 
-use crate::detector::{PerceptionError, check_image};
+use crate::detector::{PerceptionError, check_graph, check_image};
 use crate::engine::{Engine, Tensor};
 use crate::tokens::Tokens;
 
@@ -75,9 +75,18 @@ const TOKENS_MAX: usize = 256;
 
 impl GroundingDino {
     /// A model from its parts.
-    #[must_use]
-    pub fn new(engine: Box<dyn Engine>, tokens: Tokens, canvas: CanvasConfig) -> Self {
-        Self { engine, tokens, canvas }
+    ///
+    /// # Errors
+    /// [`PerceptionError::Graph`] if the graph lacks a tensor.
+    pub fn new(
+        engine: Box<dyn Engine>,
+        tokens: Tokens,
+        canvas: CanvasConfig,
+    ) -> Result<Self, PerceptionError> {
+        let expected = "pixel_values, input_ids, logits and pred_boxes";
+        let inputs = ["pixel_values", "input_ids"];
+        check_graph(&*engine, expected, &inputs, &["logits", "pred_boxes"])?;
+        Ok(Self { engine, tokens, canvas })
     }
 
     /// Name of the engine that runs it.

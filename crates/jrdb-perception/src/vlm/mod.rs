@@ -27,7 +27,7 @@ pub use score::LabelScore;
 pub use text_model::TextModel;
 
 use crate::decode::{DecodeConfig, Sequence, decode};
-use crate::detector::PerceptionError;
+use crate::detector::{PerceptionError, check_graph};
 use crate::engine::{Engine, Held, Tensor};
 use crate::log_sum_exp::log_sum_exp;
 use crate::tokens::Tokens;
@@ -75,8 +75,13 @@ impl Vlm {
     /// A model from its parts.
     ///
     /// # Errors
-    /// [`PerceptionError::Graph`] if the decoder has no caches.
+    /// [`PerceptionError::Graph`] if a graph lacks a tensor.
     pub fn new(parts: VlmParts) -> Result<Self, PerceptionError> {
+        let (vision, embed) = (&*parts.vision_encoder, &*parts.embed_tokens);
+        let expected = "pixel_values and image_features (vision_encoder)";
+        check_graph(vision, expected, &["pixel_values"], &["image_features"])?;
+        let expected = "input_ids and inputs_embeds (embed_tokens)";
+        check_graph(embed, expected, &["input_ids"], &["inputs_embeds"])?;
         Ok(Self {
             causal: Causal::new(parts.decoder, &parts.text)?,
             tokens: parts.tokens,
