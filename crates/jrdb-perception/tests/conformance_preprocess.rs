@@ -8,6 +8,7 @@ use jrdb_perception::resize::{Filter, Region, Resizer, resize};
 use jrdb_perception::tensor::{Layout, Normalise};
 use jrdb_types::Image;
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// The folder of a model's reference outputs; none without the research data.
 fn goldens(model: &str) -> Option<PathBuf> {
@@ -111,51 +112,6 @@ fn conformance_qwen_takes_the_same_bytes() {
     println!("{} pictures: equal", pictures.len());
 }
 
-/// SHA-256 (FIPS 180-4), in hexadecimal.
 fn sha256(bytes: &[u8]) -> String {
-    let primes = || (2_u32..).filter(|n| (2..*n).take_while(|d| d * d <= *n).all(|d| n % d != 0));
-    let fraction = |root: f64| (root.fract() * 2_f64.powi(32)) as u32;
-    let mut state: Vec<u32> = primes().take(8).map(|p| fraction(f64::from(p).sqrt())).collect();
-    let constants: Vec<u32> = primes().take(64).map(|p| fraction(f64::from(p).cbrt())).collect();
-    let mut padded = [bytes, &[0x80]].concat();
-    // The length, in bits, takes the last 8 bytes.
-    padded.resize((padded.len() + 8).next_multiple_of(64), 0);
-    let end = padded.len() - 8;
-    padded[end..].copy_from_slice(&(bytes.len() as u64 * 8).to_be_bytes());
-    for block in padded.as_chunks::<64>().0 {
-        let mut words: Vec<u32> =
-            block.as_chunks().0.iter().map(|w| u32::from_be_bytes(*w)).collect();
-        for at in 16..64 {
-            let (a, b) = (words[at - 15], words[at - 2]);
-            let small = a.rotate_right(7) ^ a.rotate_right(18) ^ (a >> 3);
-            let large = b.rotate_right(17) ^ b.rotate_right(19) ^ (b >> 10);
-            words.push(
-                words[at - 16].wrapping_add(small).wrapping_add(words[at - 7]).wrapping_add(large),
-            );
-        }
-        let mut s = state.clone();
-        for (word, constant) in words.iter().zip(&constants) {
-            let choice = (s[4] & s[5]) ^ (!s[4] & s[6]);
-            let majority = (s[0] & s[1]) ^ (s[0] & s[2]) ^ (s[1] & s[2]);
-            let large = s[4].rotate_right(6) ^ s[4].rotate_right(11) ^ s[4].rotate_right(25);
-            let small = s[0].rotate_right(2) ^ s[0].rotate_right(13) ^ s[0].rotate_right(22);
-            let parts = [s[7], large, choice, *constant, *word];
-            let first = parts.into_iter().fold(0, u32::wrapping_add);
-            s[3] = s[3].wrapping_add(first);
-            s[7] = first.wrapping_add(small).wrapping_add(majority);
-            s.rotate_right(1);
-        }
-        state.iter_mut().zip(s).for_each(|(sum, part)| *sum = sum.wrapping_add(part));
-    }
-    state.iter().map(|word| format!("{word:08x}")).collect()
-}
-
-#[test]
-fn digests_are_those_of_the_standard() {
-    let of_abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
-    assert_eq!(sha256(b"abc"), of_abc);
-    let of_nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
-    assert_eq!(sha256(b""), of_nothing);
-    let of_two_blocks = "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1";
-    assert_eq!(sha256(b"abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq"), of_two_blocks);
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
