@@ -12,6 +12,19 @@ pub trait Detector {
     /// When the image, the settings or the model cannot be used.
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError>;
 
+    /// What a whole sentence means, as the model alone understands it: a baseline without geometry. None if it takes no sentences.
+    ///
+    /// # Errors
+    /// As [`Detector::detect`].
+    fn ground(
+        &self,
+        _image: &Image,
+        _frame: &FrameId,
+        _sentence: &str,
+    ) -> Result<Option<Detections>, PerceptionError> {
+        Ok(None)
+    }
+
     /// Every setting that shapes the detections, for the artefact's `config`.
     fn config(&self) -> serde_json::Value;
 }

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod backbone;
+mod baseline;
 pub mod calib;
 pub mod draw;
 pub mod engine;

@@ -202,6 +202,31 @@ impl Perceiver {
         Ok(detections)
     }
 
+    /// What the detector alone takes a sentence to mean.
+    ///
+    /// # Errors
+    /// When there is no detector that takes sentences, or its model fails.
+    pub(crate) fn ground(
+        &self,
+        frame: &FrameSource,
+        image: &Image,
+        sentence: &str,
+    ) -> Result<Detections, Error> {
+        let found = match &self.kind {
+            Kind::Model(detector, _) => detector.ground(image, &frame.id, sentence)?,
+            _ => None,
+        };
+        found.ok_or_else(no_sentences)
+    }
+
+    /// Whether there is a model at all that could be asked a sentence.
+    ///
+    /// # Errors
+    /// When there is none.
+    pub(crate) fn check_baseline(&self) -> Result<(), Error> {
+        if matches!(self.kind, Kind::Model(..)) { Ok(()) } else { Err(no_sentences()) }
+    }
+
     fn look(&self, frame: &FrameSource, image: Option<&Image>) -> Result<Detections, Error> {
         let geometry = frame.robot.image;
         let nothing = |message: String| Detections {
@@ -238,6 +263,11 @@ impl Perceiver {
             },
         }
     }
+}
+
+fn no_sentences() -> Error {
+    let can = "Florence-2, MM-Grounding-DINO or LLMDet";
+    Error::Usage(format!("expected a detector that takes sentences for --baseline: {can}"))
 }
 
 /// Fills in what a model believes of every person. Somebody it fails on stays undescribed, and an issue says so.

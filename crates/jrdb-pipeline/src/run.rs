@@ -7,6 +7,7 @@ use jrdb_metrics::{MetricsConfig, Outcome};
 use jrdb_types::{FrameId, Question, Questions, Scores};
 use rayon::prelude::*;
 
+use crate::baseline;
 use crate::engine::EngineOptions;
 use crate::frame::{Asked, place};
 use crate::motion::{self, Motions, Places};
@@ -34,6 +35,8 @@ pub struct RunOptions {
     pub engine: EngineOptions,
     /// Whether the robot stands still throughout: then things that are tracked are seen to move.
     pub robot_stands: bool,
+    /// Whether the detector answers every question by itself, without points, graph and search.
+    pub baseline: bool,
     /// Questions asked of every frame.
     pub queries: Vec<String>,
     /// A file of questions with their truth; the scenes' own when neither this nor a query is given.
@@ -84,6 +87,9 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
     let mut questions = frame_questions(options, &frame_sources)?;
     let perception = perception(options, &questions);
     let perceiver = Perceiver::open(&perception, &frame_sources, &options.models, &options.engine)?;
+    if options.baseline {
+        perceiver.check_baseline()?;
+    }
     if !perceiver.knows_truth() {
         questions.forget_names();
     }
@@ -96,7 +102,7 @@ pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResu
         let each = frame_sources.par_iter().zip(&questions.per_frame).zip(motions);
         let each = each.map(|((frame, questions), motions)| {
             let asked = (questions.as_slice(), motions);
-            let output = run_frame(frame, asked, &perceiver, writer.as_ref(), &options.config);
+            let output = run_frame(frame, asked, &perceiver, writer.as_ref(), options);
             on_frame();
             FrameResult { id: frame.id.clone(), output }
         });
@@ -185,14 +191,21 @@ fn run_frame(
     (questions, motions): (&[Question], Motions),
     perceiver: &Perceiver,
     writer: Option<&Writer>,
-    config: &PipelineConfig,
+    options: &RunOptions,
 ) -> Result<FrameOutput, Error> {
-    let image = frame.image();
-    let detections = perceiver.detect(frame, &image)?;
+    let (image, config) = (frame.image(), &options.config);
+    let (detections, baseline) = if options.baseline {
+        let (found, asked) = baseline::answer(frame, &image, questions, perceiver, config)?;
+        (found, Some(asked))
+    } else {
+        (perceiver.detect(frame, &image)?, None)
+    };
+    let questions = if baseline.is_some() { &[] } else { questions };
     let (clouds, cloud_issues) = frame.clouds();
     let (image, robot) = (image.ok(), frame.robot.clone());
     let input = FrameInput { detections, image, clouds, robot, cloud_issues, motions };
-    let output = process(&input, questions, config)?;
+    let mut output = process(&input, questions, config)?;
+    output.asked.extend(baseline.into_iter().flatten());
     if let Some(writer) = writer {
         writer.frame(&input, &output)?;
     }

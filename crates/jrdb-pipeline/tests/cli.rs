@@ -602,3 +602,21 @@ fn a_graph_under_another_graph_s_name_is_told_before_any_frame() {
     assert_eq!(ran.code, 2);
     contains(&ran.err, &["demo/florence2", r#"found ["input_ids", "inputs_embeds"]"#]);
 }
+
+#[test]
+fn a_baseline_is_answered_by_the_detector_alone() {
+    let scene = Scene::new();
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    let run = ["run", "--scene", scene.root(), "--baseline", "--query", "Find the persons"];
+    let alone =
+        ["--perception", "demo", "--models", models, "--engine", "rten", "--format", "json"];
+    let ran = jrdb(&[&run[..], &alone[..]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    let value: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    let answer = &value["answers"][0]["data"];
+    assert!(!answer["selection"].as_array().unwrap().is_empty());
+    assert!(answer["trace"].as_array().unwrap().is_empty());
+    let labels = jrdb(&run);
+    assert_eq!(labels.code, 2);
+    contains(&labels.err, &["expected a detector that takes sentences"]);
+}

@@ -1,5 +1,6 @@
 //! People and things in a panorama by asking Florence-2 about wrapped tiles.
 
+use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
@@ -69,10 +70,19 @@ impl FlorenceDetector {
     /// # Panics
     /// When the part is not in the picture.
     pub fn look(&self, image: &Image, part: Region) -> Result<Vec<Said>, PerceptionError> {
+        self.look_for(image, part, &self.prompt)
+    }
+
+    fn look_for(
+        &self,
+        image: &Image,
+        part: Region,
+        prompt: &[u32],
+    ) -> Result<Vec<Said>, PerceptionError> {
         check_image(image)?;
         let config = self.model.config();
         let seen = self.model.see(&config.picture.prepare_part(image, part))?;
-        let sequence = self.model.answer(&seen, &self.prompt, &config.decode)?;
+        let sequence = self.model.answer(&seen, prompt, &config.decode)?;
         let size_px = [part.width_px as f64, part.height_px as f64];
         let found = said(&sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
@@ -86,6 +96,23 @@ impl Detector for FlorenceDetector {
             let said = self.look(image, Region::of_tile(tile, image))?;
             Ok(said.iter().filter_map(|one| candidate(one, tile)).collect())
         })
+    }
+
+    /// Open-vocabulary detection of the sentence; what it means is taken for people.
+    fn ground(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        sentence: &str,
+    ) -> Result<Option<Detections>, PerceptionError> {
+        let sentence = sentence.trim_end_matches(['.', '?', '!']);
+        let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
+        let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
+        let found = self.config.tiles.sweep(image, frame, |tile| {
+            let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
+            Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
+        });
+        found.map(Some)
     }
 
     fn config(&self) -> serde_json::Value {

@@ -1,5 +1,6 @@
 //! Things in a panorama by asking for phrases, tile by tile.
 
+use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
@@ -59,15 +60,22 @@ impl GroundingDetector {
         Ok(Self { model, config, ids })
     }
 
-    fn look_at_tile(&self, image: &Image, tile: Tile) -> Result<Vec<Candidate>, PerceptionError> {
+    /// What a tile shows of a prompt; `name` gives what a phrase's box is called.
+    fn look_at_tile(
+        &self,
+        image: &Image,
+        tile: Tile,
+        ids: &[u32],
+        name: &(impl Fn(usize) -> Option<String> + Sync),
+    ) -> Result<Vec<Candidate>, PerceptionError> {
         let picture = tile.crop(image);
-        let looked = self.model.look(&picture, &self.ids)?;
+        let looked = self.model.look(&picture, ids)?;
         let size_px = [picture.width as f64, picture.height as f64];
-        let found = self.model.grounded(&looked, &self.ids, size_px, &self.config.grounding)?;
+        let found = self.model.grounded(&looked, ids, size_px, &self.config.grounding)?;
         let candidate = |one: super::Grounded| {
             let [x0, y0, x1, y1] = one.corners;
             let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
-            let category = category(self.config.phrases.get(one.phrase)?);
+            let category = name(one.phrase)?;
             in_tile.is_proper().then_some(Candidate { in_tile, tile, score: one.score, category })
         };
         Ok(found.into_iter().filter_map(candidate).collect())
@@ -76,7 +84,22 @@ impl GroundingDetector {
 
 impl Detector for GroundingDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
-        self.config.tiles.sweep(image, frame, |tile| self.look_at_tile(image, tile))
+        let name = |phrase: usize| self.config.phrases.get(phrase).map(|words| category(words));
+        let look = |tile| self.look_at_tile(image, tile, &self.ids, &name);
+        self.config.tiles.sweep(image, frame, look)
+    }
+
+    /// The sentence is one phrase; what it means is taken for people.
+    fn ground(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        sentence: &str,
+    ) -> Result<Option<Detections>, PerceptionError> {
+        let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
+        let ids = self.model.spell(&format!("{sentence}."))?;
+        let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
+        self.config.tiles.sweep(image, frame, look).map(Some)
     }
 
     fn config(&self) -> serde_json::Value {

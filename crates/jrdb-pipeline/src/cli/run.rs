@@ -203,6 +203,9 @@ pub(crate) struct RunArgs {
     /// The robot does not move: velocities, and headings where labels have none, come from labelled tracks
     #[arg(long)]
     robot_stands: bool,
+    /// Let the detector answer every question by itself, as the paper's baselines do: no points, no graph, no search
+    #[arg(long)]
+    baseline: bool,
     /// A question for every frame, in English or in the notation; may be given several times
     #[arg(long, value_name = "TEXT")]
     query: Vec<String>,
@@ -256,6 +259,7 @@ impl RunArgs {
             models: self.perception.models.clone(),
             engine: self.perception.engine(),
             robot_stands: self.robot_stands,
+            baseline: self.baseline,
             queries: self.query.clone(),
             questions: self.questions.clone(),
             config,
