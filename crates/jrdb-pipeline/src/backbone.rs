@@ -1,7 +1,7 @@
 //! Models that see: which ones, in which files, with which settings. Backbones are data.
 //!
 //! A backbone is a JSON file in the models folder, `NAME.json`, that names folders with graphs and the files beside them. What
-//! `--perception NAME` means is all there; two are built in.
+//! `--perception NAME` means is all there; some are built in.
 
 use std::path::{Path, PathBuf};
 
