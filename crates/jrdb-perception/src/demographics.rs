@@ -142,37 +142,17 @@ fn input(picture: &Image) -> Tensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineError;
-
-    /// Says the same of every face.
-    #[derive(Debug)]
-    struct Fixed(Vec<f32>);
-
-    impl Engine for Fixed {
-        fn name(&self) -> &str {
-            "fixed"
-        }
-
-        fn inputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn outputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {
-            Ok(vec![Tensor::F32 { shape: vec![1, self.0.len()], data: self.0.clone() }])
-        }
-    }
+    use crate::fixed::Fixed;
 
     fn face() -> Face {
         let landmarks = [[40.0, 40.0], [60.0, 40.0], [50.0, 52.0], [44.0, 60.0], [56.0, 60.0]];
         Face { bbox: PixelBox::from([30.0, 25.0, 40.0, 45.0]), score: 0.9, landmarks }
     }
 
+    /// Says the same of every face.
     fn reader(probabilities: &[f32]) -> FaceReader {
-        FaceReader::new(Box::new(Fixed(probabilities.to_vec())))
+        let (shape, data) = (vec![1, probabilities.len()], probabilities.to_vec());
+        FaceReader::new(Box::new(Fixed(vec![Tensor::F32 { shape, data }])))
     }
 
     #[test]

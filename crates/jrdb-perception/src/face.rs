@@ -138,42 +138,24 @@ fn planes(outputs: &[Tensor], index: usize) -> Result<&[f32], PerceptionError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineError;
+    use crate::fixed::Fixed;
 
     /// Sees a face of 40 x 40 pixels of its input, centred on cell (10, 20), all landmarks in its middle.
-    #[derive(Debug)]
-    struct Fixed;
-
-    impl Engine for Fixed {
-        fn name(&self) -> &str {
-            "fixed"
-        }
-
-        fn inputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn outputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {
-            let values = [0.0, 10.0_f32.ln(), 0.0, 0.5];
-            let tensor = |(index, (_, count)): (usize, &(&str, usize))| {
-                let mut data = vec![values[index]; count * PLANE];
-                if index == 0 {
-                    data[20 * CELLS + 10] = 0.9;
-                }
-                Tensor::F32 { shape: vec![1, *count, CELLS, CELLS], data }
-            };
-            Ok(OUTPUTS.iter().enumerate().map(tensor).collect())
-        }
+    fn finder() -> FaceFinder {
+        let values = [0.0, 10.0_f32.ln(), 0.0, 0.5];
+        let tensor = |(index, (_, count)): (usize, &(&str, usize))| {
+            let mut data = vec![values[index]; count * PLANE];
+            if index == 0 {
+                data[20 * CELLS + 10] = 0.9;
+            }
+            Tensor::F32 { shape: vec![1, *count, CELLS, CELLS], data }
+        };
+        FaceFinder::new(Box::new(Fixed(OUTPUTS.iter().enumerate().map(tensor).collect())))
     }
 
     #[test]
     fn a_cell_becomes_a_face_in_pixels_of_the_picture() {
-        let finder = FaceFinder::new(Box::new(Fixed));
-        let found = finder.find(&Image::filled(240, 120, [9; 3]), 0.5).unwrap();
+        let found = finder().find(&Image::filled(240, 120, [9; 3]), 0.5).unwrap();
         let [face] = found[..] else { panic!("{found:?}") };
         for (found, expected) in
             [(face.bbox.x, 11.0), (face.bbox.y, 31.0), (face.bbox.w, 20.0), (face.bbox.h, 20.0)]
@@ -185,7 +167,7 @@ mod tests {
                 && (face.landmarks[2][1] - 41.0).abs() < 1e-4
         );
         assert!(
-            finder.find(&Image { width: 0, height: 0, rgb: Vec::new() }, 0.5).unwrap().is_empty()
+            finder().find(&Image { width: 0, height: 0, rgb: Vec::new() }, 0.5).unwrap().is_empty()
         );
     }
 

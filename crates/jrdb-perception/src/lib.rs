@@ -10,6 +10,8 @@ pub mod engine;
 pub mod exchange;
 pub mod face;
 mod facing;
+#[cfg(test)]
+mod fixed;
 pub mod florence2;
 pub mod grounding_dino;
 mod log_sum_exp;

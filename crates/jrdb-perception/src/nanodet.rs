@@ -202,46 +202,27 @@ fn expected(logits: &[f32]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineError;
-
-    /// Sees a chair in the middle cell of the coarsest grid of every tile, three cells to each side.
-    #[derive(Debug)]
-    struct Fixed {
-        classes: usize,
-    }
+    use crate::fixed::Fixed;
 
     const MIDDLE: usize = 6 * 13 + 6;
     const CHAIR: usize = 56;
 
-    impl Engine for Fixed {
-        fn name(&self) -> &str {
-            "fixed"
-        }
-
-        fn inputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn outputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {
-            let tensor = |cells: usize, width: usize, at: &[usize], value: f32| {
-                let mut data = vec![0.0; cells * width];
-                at.iter().for_each(|place| data[*place] = value);
-                Tensor::F32 { shape: vec![1, cells, width], data }
-            };
-            let cells = [2704, 676, 169];
-            let chair = [MIDDLE * 80 + CHAIR];
-            let sides = [3, 14, 25, 36].map(|place| MIDDLE * 44 + place);
-            let mut outputs: Vec<Tensor> =
-                cells[..2].iter().map(|cells| tensor(*cells, self.classes, &[], 0.0)).collect();
-            outputs.push(tensor(169, self.classes, &chair, 0.8));
-            outputs.extend(cells[..2].iter().map(|cells| tensor(*cells, 44, &[], 0.0)));
-            outputs.push(tensor(169, 44, &sides, 60.0));
-            Ok(outputs)
-        }
+    /// Sees a chair in the middle cell of the coarsest grid of every tile, three cells to each side.
+    fn chair(classes: usize) -> Fixed {
+        let tensor = |cells: usize, width: usize, at: &[usize], value: f32| {
+            let mut data = vec![0.0; cells * width];
+            at.iter().for_each(|place| data[*place] = value);
+            Tensor::F32 { shape: vec![1, cells, width], data }
+        };
+        let cells = [2704, 676, 169];
+        let chair = [MIDDLE * 80 + CHAIR];
+        let sides = [3, 14, 25, 36].map(|place| MIDDLE * 44 + place);
+        let mut outputs: Vec<Tensor> =
+            cells[..2].iter().map(|cells| tensor(*cells, classes, &[], 0.0)).collect();
+        outputs.push(tensor(169, classes, &chair, 0.8));
+        outputs.extend(cells[..2].iter().map(|cells| tensor(*cells, 44, &[], 0.0)));
+        outputs.push(tensor(169, 44, &sides, 60.0));
+        Fixed(outputs)
     }
 
     fn detect(engine: Fixed, config: NanoDetConfig) -> Result<Detections, PerceptionError> {
@@ -255,7 +236,7 @@ mod tests {
 
     #[test]
     fn things_have_their_class_and_a_number_from_left_to_right() {
-        let found = detect(Fixed { classes: 80 }, squares()).unwrap().detections;
+        let found = detect(chair(80), squares()).unwrap().detections;
         let ids: Vec<String> = found.iter().map(|d| d.id.to_string()).collect();
         assert_eq!(ids, ["chair:1", "chair:2", "chair:3", "chair:4"]);
         // A cell is 2 pixels of the panorama wide; the middle one is at 13, and the box reaches 3 cells to each side.
@@ -290,10 +271,10 @@ mod tests {
     fn wrong_shapes_and_settings_are_told() {
         let error = |engine, config| detect(engine, config).unwrap_err().to_string();
         assert_eq!(
-            error(Fixed { classes: 79 }, squares()),
+            error(chair(79), squares()),
             r#"expected output "Identity" to be f32 [1, 2704, 80], found f32 [1, 2704, 79]"#
         );
         let nobody = NanoDetConfig { min_score: 1.5, ..squares() };
-        assert_eq!(error(Fixed { classes: 80 }, nobody), "expected min_score in [0, 1], found 1.5");
+        assert_eq!(error(chair(80), nobody), "expected min_score in [0, 1], found 1.5");
     }
 }

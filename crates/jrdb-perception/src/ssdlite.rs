@@ -160,45 +160,32 @@ fn sigmoid(logit: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::engine::EngineError;
+    use crate::fixed::Fixed;
     use jrdb_types::{ImageGeometry, PixelBox};
 
     /// Says the same of every tile: one anchor is a person.
-    #[derive(Debug)]
-    struct Fixed {
+    struct Person {
         anchor: usize,
         code: [f32; 4],
         axes: usize,
     }
 
-    impl Engine for Fixed {
-        fn name(&self) -> &str {
-            "fixed"
-        }
-
-        fn inputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn outputs(&self) -> &[String] {
-            &[]
-        }
-
-        fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {
+    impl Person {
+        fn engine(self) -> Box<Fixed> {
             let anchors = anchors().len();
             let (mut codes, mut logits) = (vec![0.0; 4 * anchors], vec![-20.0; 2 * anchors]);
             codes[4 * self.anchor..][..4].copy_from_slice(&self.code);
             logits[2 * self.anchor + 1] = 3.0;
             let codes = Tensor::F32 { shape: vec![1, anchors, self.axes], data: codes };
-            Ok(vec![codes, Tensor::F32 { shape: vec![1, anchors, 2], data: logits }])
+            Box::new(Fixed(vec![codes, Tensor::F32 { shape: vec![1, anchors, 2], data: logits }]))
         }
     }
 
     const CENTER: usize = 19 * 19 * 3 + 10 * 10 * 6 + 5 * 5 * 6 + 3 * 3 * 6 + 2 * 2 * 6;
 
-    fn detect(engine: Fixed, config: SsdLiteConfig) -> Result<Detections, PerceptionError> {
+    fn detect(person: Person, config: SsdLiteConfig) -> Result<Detections, PerceptionError> {
         let image = Image::filled(90, 30, [128; 3]);
-        SsdLite::new(Box::new(engine), config).detect(&image, &FrameId::default())
+        SsdLite::new(person.engine(), config).detect(&image, &FrameId::default())
     }
 
     fn narrow() -> SsdLiteConfig {
@@ -206,9 +193,9 @@ mod tests {
     }
 
     /// The last grid's first anchor: 0.95 of the tile at ratio 1, in its middle; shrunk to a third.
-    fn third() -> Fixed {
+    fn third() -> Person {
         let shrink = 5.0 * (1.0_f32 / 3.0 / 0.95).ln();
-        Fixed { anchor: CENTER, code: [0.0, 0.0, shrink, shrink], axes: 4 }
+        Person { anchor: CENTER, code: [0.0, 0.0, shrink, shrink], axes: 4 }
     }
 
     #[test]
@@ -228,7 +215,7 @@ mod tests {
 
     #[test]
     fn what_a_tile_border_cuts_is_left_to_the_neighbour() {
-        let whole = Fixed { code: [0.0; 4], ..third() };
+        let whole = Person { code: [0.0; 4], ..third() };
         let wide = SsdLiteConfig { border_margin: 0.03, ..narrow() };
         assert_eq!(detect(whole, wide).unwrap().detections, []);
     }
@@ -249,20 +236,20 @@ mod tests {
     #[test]
     fn a_code_beyond_all_numbers_is_no_box() {
         let code = [f32::NAN, 0.0, f32::INFINITY, 0.0];
-        assert_eq!(detect(Fixed { code, ..third() }, narrow()).unwrap().detections, []);
+        assert_eq!(detect(Person { code, ..third() }, narrow()).unwrap().detections, []);
     }
 
     #[test]
     fn wrong_shapes_and_images_and_settings_are_told() {
-        let error = |engine, config| detect(engine, config).unwrap_err().to_string();
+        let error = |person, config| detect(person, config).unwrap_err().to_string();
         assert_eq!(
-            error(Fixed { axes: 5, ..third() }, narrow()),
+            error(Person { axes: 5, ..third() }, narrow()),
             r#"expected output "box_enc" to be f32 [1, 1917, 4], found f32 [1, 1917, 5]"#
         );
         let overlap = SsdLiteConfig { tile_overlap: 1.0, ..narrow() };
         assert_eq!(error(third(), overlap), "expected tile_overlap in [0, 0.95], found 1");
         let broken = Image { width: 4, height: 4, rgb: vec![0; 7] };
-        let detector = SsdLite::new(Box::new(third()), narrow());
+        let detector = SsdLite::new(third().engine(), narrow());
         assert_eq!(
             detector.detect(&broken, &FrameId::default()).unwrap_err().to_string(),
             "expected 3 bytes for each of 4 x 4 pixels, at least one, found 7"
