@@ -129,7 +129,7 @@ impl Affine {
 
     #[inline(always)]
     fn apply(&self, x: f32, y: f32, z: f32) -> [f32; 3] {
-        self.0.map(|[a, b, c, t]| a * x + b * y + c * z + t)
+        self.0.map(|[a, b, c, t]| a.mul_add(x, b.mul_add(y, c.mul_add(z, t))))
     }
 }
 

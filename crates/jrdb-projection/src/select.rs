@@ -1,4 +1,4 @@
-//! Which points fall into which image boxes, in one pass over the points.
+//! Which points fall into which image boxes.
 
 use jrdb_types::{ImageGeometry, PixelBox};
 
@@ -7,9 +7,11 @@ use crate::simd::{Loop, vectorised};
 
 /// Indices into the cloud of the points inside each box, ascending.
 ///
-/// Boxes are half-open, and go on across the seam where the image wraps. A point outside the image is in no box,
-/// even where a box reaches out of the image. Cost: the points once for every 64
-/// boxes; most points are refused by one look at their column and row.
+/// Boxes are half-open, and go on across the seam where the image wraps; they start inside it, at `x` in `[0, W)`. A
+/// point outside the image is in no box, even where a box reaches out of the image.
+///
+/// Cost: every point is compared with every box that reaches into its block of 512 points. Where points come in the
+/// order of a scan, those of a block lie near each other and most boxes are out of reach.
 #[must_use]
 pub fn points_in_boxes(
     cloud: &BaseCloud,
@@ -18,146 +20,202 @@ pub fn points_in_boxes(
 ) -> Vec<Vec<u32>> {
     let mut inside = vec![Vec::new(); boxes.len()];
     for (boxes, inside) in boxes.chunks(MASK_BOXES).zip(inside.chunks_mut(MASK_BOXES)) {
-        points_in_some_boxes(cloud, boxes, image, inside);
+        points_in_some_boxes(cloud, &spans(boxes, image), inside);
     }
     inside
 }
 
 /// As many boxes as a mask has bits.
-const MASK_BOXES: usize = u64::BITS as usize;
+const MASK_BOXES: usize = u32::BITS as usize;
 
-fn points_in_some_boxes(
-    cloud: &BaseCloud,
-    boxes: &[PixelBox],
-    image: ImageGeometry,
-    inside: &mut [Vec<u32>],
-) {
-    let masks = Masks::new(boxes, image);
-    let mut near = [(0_u32, 0_u64); BLOCK];
+/// Points that are looked at together.
+const BLOCK: usize = 512;
+
+fn points_in_some_boxes(cloud: &BaseCloud, spans: &[Span], inside: &mut [Vec<u32>]) {
+    let mut near = Vec::new();
+    let (mut masks, mut found) = ([0; BLOCK], [0; BLOCK / WORD]);
     for (block, (u, v)) in (0..).zip(cloud.u.chunks(BLOCK).zip(cloud.v.chunks(BLOCK))) {
-        let mut count = 0;
-        vectorised(NearAny { masks: &masks, u, v, near: &mut near, count: &mut count });
-        for &(place, mut candidates) in &near[..count] {
-            let (u, v) = (f64::from(u[place as usize]), f64::from(v[place as usize]));
-            if !shows(image, u, v) {
-                continue;
-            }
-            while candidates != 0 {
-                let index = candidates.trailing_zeros() as usize;
-                candidates &= candidates - 1;
-                if contains(&boxes[index], u, v, image) {
-                    inside[index].push(block * BLOCK as u32 + place);
+        let (mut columns, mut rows) = (Extent::NONE, Extent::NONE);
+        vectorised(Extents { u, v, columns: &mut columns, rows: &mut rows });
+        let meets = |span: &&Span| columns.meets(span.columns) && rows.meets(span.rows);
+        near.clear();
+        near.extend(spans.iter().filter(meets));
+        if near.is_empty() {
+            continue;
+        }
+        near.resize(near.len().next_multiple_of(SPANS), Span::default());
+        vectorised(Inside { u, v, spans: &near, masks: &mut masks, found: &mut found });
+        for (word, &bits) in found.iter().enumerate() {
+            for at in set_bits(bits) {
+                let place = word * WORD + at;
+                for index in set_bits(masks[place].into()) {
+                    inside[index].push(block * BLOCK as u32 + place as u32);
                 }
             }
         }
     }
 }
 
-/// Points that are looked at together.
-const BLOCK: usize = 512;
-
-/// Whether pixel `(u, v)` lies in the image.
-fn shows(image: ImageGeometry, u: f64, v: f64) -> bool {
-    let [width, height] = [image.width_px, image.height_px].map(f64::from);
-    (0.0..width).contains(&u) && (0.0..height).contains(&v)
+/// Places of the bits that are set, ascending.
+fn set_bits(mut bits: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let place = bits.trailing_zeros() as usize;
+        let is_set = bits != 0;
+        bits &= bits.wrapping_sub(1);
+        is_set.then_some(place)
+    })
 }
 
-/// Whether pixel `(u, v)` lies in a box, across the seam where the image wraps.
-///
-/// The box starts inside a wrapping image, at `x` in `[0, W)`, as does the pixel.
-#[must_use]
-pub fn contains(bbox: &PixelBox, u: f64, v: f64, image: ImageGeometry) -> bool {
-    let from_left = u - bbox.x;
-    let offset = match image.period_px() {
-        Some(period) if from_left < 0.0 => from_left + period,
-        _ => from_left,
-    };
-    (0.0..bbox.w).contains(&offset) && (bbox.y..bbox.y + bbox.h).contains(&v)
-}
-
-/// Stripes into which columns, and rows, are cut. Both tables lie in the first-level cache together.
-const COLUMN_STRIPES: usize = 4096;
-const ROW_STRIPES: usize = 512;
-
-/// For every stripe of columns and of rows, a bit for each box that reaches into it or into its neighbours.
-struct Masks {
-    columns: [u64; COLUMN_STRIPES],
-    rows: [u64; ROW_STRIPES],
-    columns_per_px: f32,
-    rows_per_px: f32,
-}
-
-impl Masks {
-    fn new(boxes: &[PixelBox], image: ImageGeometry) -> Self {
-        let [width, height] = [image.width_px, image.height_px].map(|side| side as f32);
-        let mut masks = Self {
-            columns: [0; COLUMN_STRIPES],
-            rows: [0; ROW_STRIPES],
-            columns_per_px: (COLUMN_STRIPES - 1) as f32 / width,
-            rows_per_px: (ROW_STRIPES - 1) as f32 / height,
-        };
-        for (index, bbox) in boxes.iter().enumerate().filter(|(_, bbox)| bbox.is_proper()) {
-            let bit = 1 << index;
-            mark(&mut masks.rows, masks.rows_per_px, [bbox.y, bbox.y + bbox.h], bit);
-            mark(&mut masks.columns, masks.columns_per_px, [bbox.x, bbox.x + bbox.w], bit);
-            if let Some(period) = image.period_px() {
-                let again = [bbox.x - period, bbox.x + bbox.w - period];
-                mark(&mut masks.columns, masks.columns_per_px, again, bit);
-            }
-        }
-        masks
-    }
-
-    /// The boxes near a pixel of the image: may be too many, never too few. For another pixel, any.
-    #[inline(always)]
-    fn at(&self, u: f32, v: f32) -> u64 {
-        let column = nearest_whole(u * self.columns_per_px) % COLUMN_STRIPES;
-        let row = nearest_whole(v * self.rows_per_px) % ROW_STRIPES;
-        self.columns[column] & self.rows[row]
-    }
-}
-
-/// Sets a bit in the stripes from one coordinate to another, pixels, and in one stripe on either side.
-fn mark(masks: &mut [u64], per_px: f32, [from, to]: [f64; 2], bit: u64) {
-    let end = ((to * f64::from(per_px)).ceil().max(-1.0) + 2.0) as usize;
-    let start = ((from * f64::from(per_px)).floor() - 1.0).max(0.0) as usize;
-    let end = end.min(masks.len());
-    masks[start.min(end)..end].iter_mut().for_each(|mask| *mask |= bit);
-}
-
-/// The nearest whole number of a coordinate in `[0, 2²²)`; anything for another, or for what is no number.
+/// A coordinate from 0 on as a whole number in the same order; what is negative, infinite or no number comes after those.
 #[inline(always)]
-fn nearest_whole(at: f32) -> usize {
-    const SHIFT: f32 = 8_388_608.0; // 2²³: from here on, floats are whole and their low bits count
-    ((at + SHIFT).to_bits() & 0x007f_ffff) as usize
+fn key(coordinate: f32) -> u32 {
+    (coordinate + 0.0).to_bits() // the sum of -0.0 and 0.0 is 0.0
 }
 
-/// Lists the pixels near any box, with the boxes they are near to.
-///
-/// Every pixel is written and only counted when it is near: without a branch, which for points in no order
-/// would cost more than all else.
-struct NearAny<'a> {
-    masks: &'a Masks,
+/// Keys from the first to before the end.
+#[derive(Debug, Clone, Copy, Default)]
+struct Interval {
+    first: u32,
+    count: u32,
+}
+
+impl Interval {
+    /// The keys of the coordinates from one number to before another that lie in `[0, end)`, all pixels.
+    ///
+    /// Exact for bounds in double precision: a single-precision number is not under a bound exactly when it is not
+    /// under the next single-precision number up.
+    fn between(from: f64, to: f64, end: u32) -> Self {
+        let bound = |at: f64| {
+            let at = at.clamp(0.0, end.into());
+            let nearest = at as f32;
+            key(if f64::from(nearest) < at { nearest.next_up() } else { nearest })
+        };
+        Self { first: bound(from), count: bound(to) - bound(from) }
+    }
+
+    #[inline(always)]
+    fn contains(self, key: u32) -> bool {
+        key.wrapping_sub(self.first) < self.count
+    }
+}
+
+/// A box, or the part of one on one side of the seam.
+#[derive(Debug, Clone, Copy, Default)]
+struct Span {
+    /// The bit of its box.
+    bit: u32,
+    columns: Interval,
+    rows: Interval,
+}
+
+/// What the boxes cover of the image; those that are not proper cover nothing.
+fn spans(boxes: &[PixelBox], image: ImageGeometry) -> Vec<Span> {
+    let mut spans = Vec::new();
+    for (index, bbox) in boxes.iter().enumerate().filter(|(_, bbox)| bbox.is_proper()) {
+        let rows = Interval::between(bbox.y, bbox.y + bbox.h, image.height_px);
+        for shift in [Some(0.0), image.period_px()].into_iter().flatten() {
+            let start = bbox.x - shift;
+            let columns = Interval::between(start, start + bbox.w, image.width_px);
+            spans.push(Span { bit: 1 << index, columns, rows });
+        }
+    }
+    spans.retain(|span| span.columns.count > 0 && span.rows.count > 0);
+    spans
+}
+
+impl Span {
+    /// The bit of its box where a pixel lies in it.
+    #[inline(always)]
+    fn bit_at(self, column: u32, row: u32) -> u32 {
+        if self.columns.contains(column) & self.rows.contains(row) { self.bit } else { 0 }
+    }
+}
+
+/// The least and the greatest key of the coordinates of a block.
+#[derive(Debug, Clone, Copy)]
+struct Extent {
+    least: u32,
+    greatest: u32,
+}
+
+impl Extent {
+    /// Of no key.
+    const NONE: Self = Self { least: u32::MAX, greatest: 0 };
+
+    #[inline(always)]
+    fn add(&mut self, key: u32) {
+        self.least = self.least.min(key);
+        self.greatest = self.greatest.max(key);
+    }
+
+    fn meets(self, interval: Interval) -> bool {
+        interval.first <= self.greatest && self.least < interval.first + interval.count
+    }
+}
+
+/// Finds the extents of the columns and the rows of a block.
+struct Extents<'a> {
     u: &'a [f32],
     v: &'a [f32],
-    near: &'a mut [(u32, u64); BLOCK],
-    count: &'a mut usize,
+    columns: &'a mut Extent,
+    rows: &'a mut Extent,
 }
 
-impl Loop for NearAny<'_> {
+impl Loop for Extents<'_> {
     #[inline(always)]
     fn run(self) {
-        let mut all = [0; BLOCK];
-        for ((candidates, &u), &v) in all.iter_mut().zip(self.u).zip(self.v) {
-            *candidates = self.masks.at(u, v);
+        let (mut columns, mut rows) = (Extent::NONE, Extent::NONE);
+        for (&u, &v) in self.u.iter().zip(self.v) {
+            columns.add(key(u));
+            rows.add(key(v));
         }
-        let mut count = 0;
-        for (place, &candidates) in (0..).zip(&all[..self.u.len()]) {
-            self.near[count % BLOCK] = (place, candidates);
-            count += usize::from(candidates != 0);
-        }
-        *self.count = count;
+        (*self.columns, *self.rows) = (columns, rows);
     }
+}
+
+/// Spans that are compared with a point at a time: points and masks are read and written once for so many.
+const SPANS: usize = 4;
+
+/// Points that are found by one look.
+const WORD: usize = u64::BITS as usize;
+
+/// Compares the points of a block with spans.
+struct Inside<'a> {
+    u: &'a [f32],
+    v: &'a [f32],
+    spans: &'a [Span],
+    /// For every point, the bits of the boxes that it lies in.
+    masks: &'a mut [u32; BLOCK],
+    /// A bit for every point that lies in any.
+    found: &'a mut [u64; BLOCK / WORD],
+}
+
+impl Loop for Inside<'_> {
+    #[inline(always)]
+    fn run(self) {
+        *self.masks = [0; BLOCK];
+        for [a, b, c, d] in self.spans.as_chunks::<SPANS>().0 {
+            for ((mask, &u), &v) in self.masks.iter_mut().zip(self.u).zip(self.v) {
+                let (u, v) = (key(u), key(v));
+                *mask |= a.bit_at(u, v) | b.bit_at(u, v) | c.bit_at(u, v) | d.bit_at(u, v);
+            }
+        }
+        let in_any = self.masks.map(|mask| u8::from(mask != 0));
+        for (found, in_any) in self.found.iter_mut().zip(in_any.as_chunks::<WORD>().0) {
+            *found = lowest_bits(in_any);
+        }
+    }
+}
+
+/// The lowest bits of bytes that are 0 or 1, in their order.
+#[inline(always)]
+fn lowest_bits(bytes: &[u8; WORD]) -> u64 {
+    /// Brings the lowest bit of byte `i` to bit `56 + i`.
+    const TO_THE_TOP: u64 = 0x0102_0408_1020_4080;
+    let eights = bytes.as_chunks::<8>().0.iter().enumerate();
+    eights.fold(0, |bits, (at, &eight)| {
+        bits | (u64::from_le_bytes(eight).wrapping_mul(TO_THE_TOP) >> 56) << (8 * at)
+    })
 }
 
 #[cfg(test)]
@@ -173,6 +231,18 @@ mod tests {
             v: pixels.iter().map(|p| p.1 as f32).collect(),
             ..BaseCloud::default()
         }
+    }
+
+    /// The definition.
+    fn contains(bbox: &PixelBox, u: f64, v: f64, image: ImageGeometry) -> bool {
+        let [width, height] = [image.width_px, image.height_px].map(f64::from);
+        let from_left = u - bbox.x;
+        let offset = match image.period_px() {
+            Some(period) if from_left < 0.0 => from_left + period,
+            _ => from_left,
+        };
+        let is_shown = (0.0..width).contains(&u) && (0.0..height).contains(&v);
+        is_shown && (0.0..bbox.w).contains(&offset) && (bbox.y..bbox.y + bbox.h).contains(&v)
     }
 
     #[test]
@@ -202,16 +272,24 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_masks_change_nothing(
-            pixels in proptest::collection::vec((0.0..3760.0, 0.0..480.0), 0..60),
-            boxes in proptest::collection::vec((0.0..3760.0, -9.0..400.0, 0.5..4000.0, 1.0..200.0), 0..90),
+        fn all_at_once_are_inside_as_each_alone(
+            mut pixels in prop::collection::vec((-9.0..3770.0_f64, -9.0..490.0_f64), 0..1400),
+            boxes in prop::collection::vec((0.0..3760.0, -9.0..400.0, 0.5..4000.0, 1.0..200.0), 0..70),
+            wraps: bool, is_scan: bool,
         ) {
+            let image = ImageGeometry { wraps, ..PANORAMA };
+            if wraps {
+                pixels.retain(|(u, _)| (0.0..3759.9).contains(u));
+            }
+            if is_scan {
+                pixels.sort_by(|a, b| a.0.total_cmp(&b.0));
+            }
             let boxes: Vec<PixelBox> = boxes.into_iter().map(|(x, y, w, h)| PixelBox { x, y, w, h }).collect();
-            let found = points_in_boxes(&cloud(&pixels), &boxes, PANORAMA);
+            let found = points_in_boxes(&cloud(&pixels), &boxes, image);
             for (bbox, found) in boxes.iter().zip(found) {
                 let pixel = |i: usize| (f64::from(pixels[i].0 as f32), f64::from(pixels[i].1 as f32));
                 let naive: Vec<u32> = (0..pixels.len())
-                    .filter(|&i| contains(bbox, pixel(i).0, pixel(i).1, PANORAMA))
+                    .filter(|&i| contains(bbox, pixel(i).0, pixel(i).1, image))
                     .map(|i| i as u32)
                     .collect();
                 prop_assert_eq!(found, naive);

@@ -69,9 +69,9 @@ impl Loop for Draw<'_, '_> {
         let points = self.points.x.iter().zip(self.points.y).zip(self.points.z);
         let pixels = self.pixels.u.iter_mut().zip(&mut *self.pixels.v);
         for (((&x, &y), &z), (u, v)) in points.zip(pixels) {
-            let inverse_range = 1.0 / (x * x + z * z).sqrt();
-            let column = azimuth(x, z, inverse_range) * self.px_per_rad + 0.5 * self.width;
-            let row = self.focal * (y * inverse_range) + self.horizon;
+            let inverse_range = 1.0 / x.mul_add(x, z * z).sqrt();
+            let column = azimuth(x, z, inverse_range).mul_add(self.px_per_rad, 0.5 * self.width);
+            let row = self.focal.mul_add(y * inverse_range, self.horizon);
             // On the axis, and for what is not finite, the row is not finite.
             let seen = row.abs() <= f32::MAX;
             let column = if column < self.width { column.max(0.0) } else { 0.0 };
@@ -102,7 +102,7 @@ fn azimuth(x: f32, z: f32, inverse_range: f32) -> f32 {
     let is_aside = ax > az;
     let sine = if is_aside { az } else { ax } * inverse_range;
     let square = sine * sine;
-    let octant = ASIN.iter().rev().fold(0.0, |sum, c| sum * square + c) * sine;
+    let octant = ASIN.iter().rev().fold(0.0_f32, |sum, &c| sum.mul_add(square, c)) * sine;
     let quadrant = if is_aside { FRAC_PI_2_F32 - octant } else { octant };
     let half = if z < 0.0 { PI_F32 - quadrant } else { quadrant };
     half.copysign(x)
