@@ -7,10 +7,12 @@ use nalgebra::Vector3;
 /// The words for where a vector points to, in a frame of x ahead, y left, z up.
 ///
 /// The sector is that of the angle `atan2(y, x)` in degrees ([`Sector::of_degrees`]), the elevation that of z
-/// ([`Elevation::of_rise`]). [`LateralConvention::EngineHead`] gives the mirrored name.
+/// ([`Elevation::of_rise`]). What points nowhere is in front. [`LateralConvention::EngineHead`] gives the mirrored name.
 #[must_use]
 pub fn of_vector(vector: &Vector3<f64>, lateral: LateralConvention) -> Direction {
-    let sector = Sector::of_degrees(vector.y.atan2(vector.x).to_degrees()).named(lateral);
+    // The signs of two zeros would choose front or back: the sum of -0.0 and 0.0 is 0.0.
+    let angle_rad = (vector.y + 0.0).atan2(vector.x + 0.0);
+    let sector = Sector::of_degrees(angle_rad.to_degrees()).named(lateral);
     Direction { sector, elevation: Elevation::of_rise(vector.z) }
 }
 
@@ -28,6 +30,14 @@ mod tests {
         assert_eq!(name(90.0, 0.0, LateralConvention::Physical), "left");
         assert_eq!(name(90.0, 0.0, LateralConvention::EngineHead), "right");
         assert_eq!(name(-40.0, 0.0, LateralConvention::Physical), "front right");
+    }
+
+    #[test]
+    fn what_points_nowhere_is_in_front() {
+        for vector in [[0.0, 0.0], [-0.0, 0.0], [0.0, -0.0], [-0.0, -0.0]] {
+            let vector = Vector3::new(vector[0], vector[1], 0.0);
+            assert_eq!(of_vector(&vector, LateralConvention::Physical).to_string(), "front");
+        }
     }
 
     #[test]

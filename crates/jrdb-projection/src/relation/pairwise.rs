@@ -4,46 +4,38 @@ use jrdb_types::vocab::{Elevation, Sector};
 use jrdb_types::{Direction, DistanceWord, LateralConvention};
 use nalgebra::Point3;
 
-use super::distance;
 use crate::simd::{Loop, vectorised};
-
-/// Sines and cosines of the four bounds of the sectors: 30°, 45°, 135° and 145°.
-const BOUNDS: [(f64, f64); 4] = [
-    (0.5, 0.866_025_403_784_438_7),
-    (std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2),
-    (std::f64::consts::FRAC_1_SQRT_2, -std::f64::consts::FRAC_1_SQRT_2),
-    (0.573_576_436_351_045_9, -0.819_152_044_288_991_9),
-];
 
 /// The sectors to the left by the number of bounds that are exceeded.
 const TO_THE_LEFT: [Sector; 5] =
     [Sector::Front, Sector::FrontLeft, Sector::Left, Sector::BackLeft, Sector::Back];
 
-/// So near to a bound, in parts of the distance, rounding decides: then the definition does.
-const NEAR_BOUND: f64 = 1e-12;
-
-/// The words of every ordered pair of `count` things.
+/// The words of every ordered pair of things, a byte each.
 ///
 /// Row `i` is how things lie to thing `i`. On the diagonal stands what a thing would be to itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairwise {
-    count: usize,
+    centers: Vec<Point3<f64>>,
     lateral: LateralConvention,
-    distance_m: Vec<f64>,
-    /// 0 to 4: how many bounds the distance exceeds.
-    distance_code: Vec<u8>,
-    /// How many bounds of sectors the bearing exceeds, plus 8 to the right.
-    sector_code: Vec<u8>,
-    z: Vec<f64>,
+    codes: Vec<u8>,
 }
 
-/// Relates every ordered pair of things: the same words as [`super::from_person`], 20 times as fast.
+/// How many bounds of sectors the bearing exceeds, 0 to 4.
+const SECTOR: u8 = 7;
+/// To the right.
+const RIGHT: u8 = 8;
+/// One bound of distances exceeded; there are four.
+const DISTANCE: u8 = 16;
+/// So near to a bound that rounding decides.
+const NEAR: u8 = 128;
+
+/// Relates every ordered pair of things: the same words as [`super::from_person`], many pairs at a time.
 ///
 /// `centers` in metres and `headings_rad` in any one frame with z up; equally long, as thing `i` has center and
 /// heading `i`.
 ///
-/// The bearing exceeds the bound β where `left · cos β - ahead · sin β` is positive; the four signs are the sector. Where one is
-/// too near to 0 for the rounding to be trusted, [`super::from_person`] decides.
+/// The bearing exceeds the bound β where `left · cos β - ahead · sin β` is positive; the four signs are the sector. All is
+/// in single precision; where that may be wrong, [`super::from_person`] decides.
 ///
 /// # Panics
 /// When there are not as many headings as centres.
@@ -55,95 +47,142 @@ pub fn pairwise(
 ) -> Pairwise {
     let count = centers.len();
     assert_eq!(count, headings_rad.len(), "one heading for each centre");
-    let [x, y, z] = [0, 1, 2].map(|axis| centers.iter().map(|c| c[axis]).collect::<Vec<f64>>());
-    let mut pairs = Pairwise {
-        count,
-        lateral,
-        z,
-        distance_m: vec![0.0; count * count],
-        distance_code: vec![0; count * count],
-        sector_code: vec![0; count * count],
-    };
-    let mut near = Vec::new();
-    for (from, (center, heading)) in centers.iter().zip(headings_rad).enumerate() {
-        let row = from * count..(from + 1) * count;
-        vectorised(Row {
-            center,
-            sin_cos: heading.sin_cos(),
-            columns: [&x, &y, &pairs.z],
-            distance_m: &mut pairs.distance_m[row.clone()],
-            distance_code: &mut pairs.distance_code[row.clone()],
-            sector_code: &mut pairs.sector_code[row.clone()],
+    let places = Places::new(centers);
+    // A row is written to the end of its last block of lanes, and the next over what is too much.
+    let width = places.columns[0].len();
+    let mut codes = vec![0; count * count + (width - count)];
+    for (at, (center, &heading_rad)) in centers.iter().zip(headings_rad).enumerate() {
+        let codes = &mut codes[at * count..][..width];
+        let (sin, cos) = heading_rad.sin_cos();
+        let sin_cos = [sin, cos].map(|v| v as f32);
+        let mut is_near = false;
+        vectorised(Row { places: &places, at, sin_cos, codes, is_near: &mut is_near });
+        if is_near {
+            decide(center, heading_rad, centers, codes);
+        }
+    }
+    codes.truncate(count * count);
+    Pairwise { centers: centers.to_vec(), lateral, codes }
+}
+
+/// Finds the words of one row that are uncertain by their definition.
+fn decide(from: &Point3<f64>, heading_rad: f64, centers: &[Point3<f64>], codes: &mut [u8]) {
+    for (to, code) in centers.iter().zip(codes).filter(|(_, code)| **code & NEAR != 0) {
+        let alone = super::from_person(from, Some(heading_rad), to, LateralConvention::Physical);
+        let exceeded = alone.distance.map_or(0, |word| word as u8);
+        *code = (exceeded * DISTANCE) | alone.direction.map_or(0, code_of);
+    }
+}
+
+/// Coordinates from the first thing on, metres in single precision, and what that makes uncertain.
+struct Places {
+    columns: [Vec<f32>; 3],
+    /// 0, 1, 2 and so on.
+    numbers: Vec<f32>,
+    /// Everything that a place and its bearing tell is right within this, metres.
+    error_m: f32,
+    /// From which squared distance on a bound may be exceeded, and from which it is.
+    bounds_m2: [[f32; 2]; 4],
+}
+
+/// Columns are filled up to a multiple of so many: two of the widest registers.
+const LANES: usize = 32;
+
+impl Places {
+    fn new(centers: &[Point3<f64>]) -> Self {
+        let origin = centers.first().copied().unwrap_or_default();
+        let width = centers.len().next_multiple_of(LANES);
+        let columns = [0, 1, 2].map(|axis| {
+            let mut column: Vec<f32> =
+                centers.iter().map(|c| (c[axis] - origin[axis]) as f32).collect();
+            column.resize(width, 0.0);
+            column
         });
-        near.extend(row.filter(|&at| pairs.sector_code[at] & NEAR != 0));
+        let numbers = (0..width).map(|number| number as f32).collect();
+        let reach_m = columns.iter().flatten().fold(0.0_f32, |reach, c| reach.max(c.abs()));
+        let error_m = reach_m * ERROR;
+        let bounds_m2 = [0.5, 1.5, 5.0, 10.0].map(|bound_m: f32| {
+            [bound_m - error_m, bound_m + error_m].map(|bound_m| bound_m.max(0.0).powi(2))
+        });
+        Self { columns, numbers, error_m, bounds_m2 }
     }
-    for at in near {
-        let (from, to) = (&centers[at / count], &centers[at % count]);
-        let alone = super::from_person(
-            from,
-            Some(headings_rad[at / count]),
-            to,
-            LateralConvention::Physical,
-        );
-        pairs.sector_code[at] = alone.direction.map_or(0, code_of);
-    }
-    pairs
 }
 
-/// The bit of a sector code that says: too near to a bound.
-const NEAR: u8 = 16;
+/// Bound of the error in parts of the greatest coordinate: 64 roundings. How far a place is past a bound of sectors is
+/// within 36 (4 of each offset, 14 of turning it, the rest of turning it again), a distance within 20.
+const ERROR: f32 = 64.0 * (f32::EPSILON / 2.0);
 
-/// One thing's place and heading, all things' coordinates, and where its row of the pairs goes.
+/// How all things lie to one, which is turned by an angle.
 struct Row<'a> {
-    center: &'a Point3<f64>,
-    sin_cos: (f64, f64),
-    columns: [&'a [f64]; 3],
-    distance_m: &'a mut [f64],
-    distance_code: &'a mut [u8],
-    sector_code: &'a mut [u8],
+    places: &'a Places,
+    at: usize,
+    /// Of its heading.
+    sin_cos: [f32; 2],
+    codes: &'a mut [u8],
+    /// Whether a code is [`NEAR`].
+    is_near: &'a mut bool,
 }
+
+/// Sine and cosine of 30° and of 145°.
+const BOUND_30: (f32, f32) = (0.5, 0.866_025_4);
+const BOUND_145: (f32, f32) = (0.573_576_45, -0.819_152_06);
+
+/// 2²³: from here on floats are whole, so that their lowest byte counts.
+const COUNTER: f32 = 8_388_608.0;
 
 impl Loop for Row<'_> {
     #[inline(always)]
     fn run(self) {
-        let Self { center, sin_cos: (sin, cos), columns: [x, y, z], .. } = self;
-        let offsets = x.iter().zip(y).zip(z);
-        let codes = self.distance_code.iter_mut().zip(self.sector_code);
-        let pairs = self.distance_m.iter_mut().zip(codes);
-        for (((x, y), z), (distance, (distance_code, sector_code))) in offsets.zip(pairs) {
-            let [dx, dy, dz] = [x - center.x, y - center.y, z - center.z];
-            *distance = (dx * dx + dy * dy + dz * dz).sqrt();
-            *distance_code = code_of_distance(*distance);
-            *sector_code = code_of_place(cos * dx + sin * dy, cos * dy - sin * dx);
+        let [sin, cos] = self.sin_cos;
+        let [x, y, z] = &self.places.columns;
+        let [x0, y0, z0] = [x, y, z].map(|column| column[self.at]);
+        let itself = self.at as f32;
+        let error2_m2 = self.places.error_m * self.places.error_m;
+        let mut all = 0;
+        let things = x.iter().zip(y).zip(z).zip(&self.places.numbers);
+        for ((((&x, &y), &z), &number), code) in things.zip(self.codes) {
+            let [dx, dy, dz] = [x - x0, y - y0, z - z0];
+            let on_floor_m2 = dx.mul_add(dx, dy * dy);
+            let [exceeded, perhaps] = exceeded(dz.mul_add(dz, on_floor_m2), &self.places.bounds_m2);
+            let (ahead, left) = (cos.mul_add(dx, sin * dy), cos.mul_add(dy, -sin * dx));
+            let beside = left.abs();
+            let past = |(sin, cos): (f32, f32)| beside.mul_add(cos, -sin * ahead);
+            let [past_30, past_45] = [past(BOUND_30), beside - ahead];
+            let [past_135, past_145] = [-beside - ahead, past(BOUND_145)];
+            let mut sum = exceeded;
+            for past in [past_30, past_45, past_135, past_145] {
+                sum = if past > 0.0 { sum + 1.0 } else { sum };
+            }
+            sum = if left < 0.0 { sum + f32::from(RIGHT) } else { sum };
+            // Past no bound is a place farther than √2 of its distance, so a product tells how near the nearer of two is.
+            let sure = error2_m2 * on_floor_m2;
+            let [front, back] =
+                [past_30 * past_45, past_135 * past_145].map(|product| product * product);
+            let is_sure = (front > sure) & (back > sure) & (exceeded >= perhaps);
+            sum = if is_sure | (number == itself) { sum } else { sum + f32::from(NEAR) };
+            *code = sum.to_bits() as u8;
+            all |= *code;
         }
+        *self.is_near = all & NEAR != 0;
     }
 }
 
+/// [`COUNTER`] with the bounds that a squared distance exceeds, and that it may exceed.
 #[inline(always)]
-fn code_of_distance(distance_m: f64) -> u8 {
-    const BOUNDS_M: [f64; 4] = [0.5, 1.5, 5.0, 10.0];
-    BOUNDS_M.iter().map(|&bound| u64::from(distance_m > bound)).sum::<u64>() as u8
-}
-
-#[inline(always)]
-fn code_of_place(ahead: f64, left: f64) -> u8 {
-    let beside = left.abs();
-    let margin = NEAR_BOUND * (ahead.abs() + beside);
-    let (mut exceeded, mut least) = (0_u64, f64::INFINITY);
-    for (sin, cos) in BOUNDS {
-        let past = beside * cos - ahead * sin;
-        exceeded += u64::from(past > 0.0);
-        least = least.min(past.abs());
+fn exceeded(square_m2: f32, bounds_m2: &[[f32; 2]; 4]) -> [f32; 2] {
+    let mut sums = [COUNTER; 2];
+    for [perhaps_m2, surely_m2] in bounds_m2 {
+        sums[0] = if square_m2 > *surely_m2 { sums[0] + f32::from(DISTANCE) } else { sums[0] };
+        sums[1] = if square_m2 >= *perhaps_m2 { sums[1] + f32::from(DISTANCE) } else { sums[1] };
     }
-    let is_near = u64::from(least <= margin);
-    (exceeded + 8 * u64::from(left < 0.0) + u64::from(NEAR) * is_near) as u8
+    sums
 }
 
 fn code_of(direction: Direction) -> u8 {
     let place = |sector: Sector| TO_THE_LEFT.iter().position(|&s| s == sector);
     let code = match place(direction.sector) {
         Some(code) => code,
-        None => place(direction.sector.mirrored()).map_or(0, |code| code | 8),
+        None => place(direction.sector.mirrored()).map_or(0, |code| code | usize::from(RIGHT)),
     };
     code as u8
 }
@@ -155,29 +194,36 @@ impl Pairwise {
     /// When there is no such thing; so do the other methods.
     #[must_use]
     pub fn distance_m(&self, from: usize, to: usize) -> f64 {
-        self.distance_m[from * self.count + to]
+        (self.centers[to] - self.centers[from]).norm()
     }
 
     /// Height of thing `to` over thing `from`, metres.
     #[must_use]
     pub fn rise_m(&self, from: usize, to: usize) -> f64 {
-        self.z[to] - self.z[from]
+        self.centers[to].z - self.centers[from].z
     }
 
     /// The distance in words; `None` when it is not a number.
     #[must_use]
     pub fn distance(&self, from: usize, to: usize) -> Option<DistanceWord> {
-        let at = from * self.count + to;
-        let word = DistanceWord::ALL[usize::from(self.distance_code[at])];
-        if self.distance_m[at].is_nan() { distance::word(f64::NAN) } else { Some(word) }
+        let exceeded = self.code(from, to) / DISTANCE;
+        // What is not a number exceeds no bound.
+        if exceeded == 0 && self.distance_m(from, to).is_nan() {
+            return None;
+        }
+        Some(DistanceWord::ALL[usize::from(exceeded)])
     }
 
     /// The sector in which thing `to` lies to thing `from`, under the physical convention.
     #[must_use]
     pub fn physical_sector(&self, from: usize, to: usize) -> Sector {
-        let code = self.sector_code[from * self.count + to];
-        let sector = TO_THE_LEFT[usize::from(code & 7)];
-        if code & 8 == 0 { sector } else { sector.mirrored() }
+        let code = self.code(from, to);
+        let sector = TO_THE_LEFT[usize::from(code & SECTOR)];
+        if code & RIGHT == 0 { sector } else { sector.mirrored() }
+    }
+
+    fn code(&self, from: usize, to: usize) -> u8 {
+        self.codes[from * self.centers.len() + to]
     }
 
     /// Where thing `to` is, seen from thing `from`, in words.

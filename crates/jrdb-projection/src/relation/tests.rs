@@ -24,6 +24,22 @@ fn moved(b: &Box3d, turn: f64, shift: &Point3<f64>) -> Box3d {
     Box3d { center: center.into(), heading_rad: b.heading_rad + turn, ..*b }
 }
 
+/// From where things stand: single precision tells those near each other apart from the first only.
+const FAR_M: &[f64] = &[0.0, 0.1, 1e3, 1e6, 1e9];
+
+/// The words of all pairs at once are those of each alone.
+fn check_words(centers: &[Point3<f64>], headings: &[f64]) -> Result<(), TestCaseError> {
+    let all = pairwise::pairwise(centers, headings, PHYSICAL);
+    for (i, from) in centers.iter().enumerate() {
+        for (j, to) in centers.iter().enumerate() {
+            let alone = from_person(from, Some(headings[i]), to, PHYSICAL);
+            prop_assert_eq!(all.distance(i, j), alone.distance);
+            prop_assert_eq!(Some(all.direction(i, j)), alone.direction);
+        }
+    }
+    Ok(())
+}
+
 /// Upright boxes in awkward poses: on a grid, of one another's size, turned by eighths.
 fn awkward() -> impl Strategy<Value = Box3d> {
     let half_metres =
@@ -100,6 +116,29 @@ proptest! {
                 prop_assert_eq!(Some(all.rise_m(i, j)), alone.rise_m);
             }
         }
+    }
+
+    #[test]
+    fn bounds_are_decided_as_for_each_alone(
+        things in prop::collection::vec(
+            (prop::array::uniform3(-8..8_i32), -12..12_i32, prop::sample::select(FAR_M)), 2..40,
+        ),
+    ) {
+        let place = |([x, y, z], _, far_m): ([i32; 3], i32, f64)| {
+            Point3::new(x, y, z / 4).cast::<f64>() * 0.5 + Vector3::repeat(far_m)
+        };
+        let centers: Vec<_> = things.iter().copied().map(place).collect();
+        let headings: Vec<_> = things.iter().map(|thing| f64::from(thing.1) * PI / 12.0).collect();
+        check_words(&centers, &headings)?;
+    }
+
+    #[test]
+    fn numbers_at_the_end_of_their_range_are_related_too(
+        things in prop::collection::vec((prop::array::uniform3(any::<f64>()), any::<f64>()), 1..5),
+    ) {
+        let (centers, headings): (Vec<_>, Vec<_>) =
+            things.into_iter().map(|(center, heading)| (Point3::from(center), heading)).unzip();
+        check_words(&centers, &headings)?;
     }
 
     #[test]
