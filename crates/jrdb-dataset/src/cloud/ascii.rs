@@ -2,7 +2,7 @@
 
 use jrdb_types::PointCloud;
 
-use super::columns::close_gaps;
+use super::columns::{close_gaps, empty};
 use super::excerpt;
 
 /// What a word of a line is for.
@@ -98,6 +98,7 @@ pub(super) struct Points<'a> {
 
 impl<'a> Points<'a> {
     pub(super) fn new(cloud: &'a mut PointCloud, has_intensity: bool) -> Self {
+        empty(cloud);
         Self { cloud, has_intensity }
     }
 

@@ -91,7 +91,7 @@ pub fn parse(bytes: &[u8], layout: BinLayout, sensor: &str) -> Result<PointCloud
     filled(sensor, |cloud| fill(bytes, layout, Fields::All, cloud))
 }
 
-/// [`parse`], of some fields only, into a cloud without points.
+/// [`parse`], of some fields only, into a cloud.
 pub(super) fn fill(
     bytes: &[u8],
     layout: BinLayout,

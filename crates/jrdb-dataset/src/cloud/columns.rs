@@ -71,13 +71,26 @@ pub(super) struct Columns {
 
 /// Rows that are decoded at a time: so few that their bytes, once read for the first column, are still at hand for
 /// the others.
-const BLOCK_ROWS: usize = 1024;
+const BLOCK_ROWS: usize = 4096;
 
 impl Columns {
     /// x, y, z and intensity.
     fn each(self) -> [Option<Column>; 4] {
         let [x, y, z] = self.xyz.map(Some);
         [x, y, z, self.intensity]
+    }
+
+    /// Where each row has x, y and z one behind the other as little-endian floats, and the length of rows; none where they are
+    /// not.
+    fn places(&self, order: ByteOrder) -> Option<(usize, usize)> {
+        let Column { start, stride, .. } = self.xyz[0];
+        let is_next = |(axis, column): (usize, &Column)| {
+            column.scalar == Scalar::F32
+                && column.start == start + axis * Scalar::F32.size()
+                && column.stride == stride
+        };
+        let are_floats = self.xyz.iter().enumerate().all(is_next);
+        (are_floats && order == ByteOrder::Little).then_some((start, stride))
     }
 
     /// The columns with their places among x, y, z and intensity, as they come in the file.
@@ -89,7 +102,7 @@ impl Columns {
         columns
     }
 
-    /// Fills a cloud without points with these columns. Rows that the body does not reach are not finite; callers
+    /// Fills a cloud with these columns. Rows that the body does not reach are not finite; callers
     /// check sizes.
     pub(super) fn fill(self, body: &[u8], rows: usize, order: ByteOrder, cloud: &mut PointCloud) {
         let mut growing = Growing::new(self, rows, order, cloud);
@@ -101,35 +114,67 @@ impl Columns {
 /// A cloud that is decoded piece by piece.
 pub(super) struct Growing<'a> {
     columns: [Option<Column>; 4],
+    /// [`Columns::places`].
+    places: Option<(usize, usize)>,
     cloud: &'a mut PointCloud,
+    /// Rows that each column has so far.
+    filled: [usize; 4],
     order: ByteOrder,
     /// Whether every coordinate so far is a finite number.
     is_finite: bool,
 }
 
 impl<'a> Growing<'a> {
-    /// A cloud without points, with memory for so many rows.
+    /// A cloud to be given so many rows, in the memory that it has.
     pub(super) fn new(
         columns: Columns,
         rows: usize,
         order: ByteOrder,
         cloud: &'a mut PointCloud,
     ) -> Self {
-        let columns = columns.each();
+        let (columns, places) = (columns.each(), columns.places(order));
         for (column, numbers) in columns.iter().zip(numbers(cloud)) {
-            numbers.reserve(column.map_or(0, |_| rows));
+            resize(numbers, column.map_or(0, |_| rows));
         }
-        Self { columns, cloud, order, is_finite: true }
+        cloud.skipped = 0;
+        Self { columns, places, cloud, filled: [0; 4], order, is_finite: true }
     }
 
     /// Decodes the next rows, which start where the body does.
     pub(super) fn append(&mut self, body: &[u8], rows: usize) {
         for first in (0..rows).step_by(BLOCK_ROWS) {
             let count = BLOCK_ROWS.min(rows - first);
+            let placed = self.append_places(body, first, count);
             for axis in 0..self.columns.len() {
-                self.append_axis(axis, body, first, count);
+                let done = if axis < 3 { placed } else { 0 };
+                self.append_axis(axis, body, first + done, count - done);
             }
         }
+    }
+
+    /// Decodes x, y and z of some rows at once, where they are of a usual length; how many rows.
+    fn append_places(&mut self, body: &[u8], first: usize, count: usize) -> usize {
+        let Some((start, stride)) = self.places else { return 0 };
+        let bytes = body.get(start + first * stride..).unwrap_or_default();
+        match stride {
+            12 => self.append_rows::<12>(bytes, count),
+            16 => self.append_rows::<16>(bytes, count),
+            20 => self.append_rows::<20>(bytes, count),
+            32 => self.append_rows::<32>(bytes, count),
+            _ => 0,
+        }
+    }
+
+    /// Decodes x, y and z of the rows that the bytes reach to the end of, at most so many; how many.
+    fn append_rows<const STRIDE: usize>(&mut self, bytes: &[u8], count: usize) -> usize {
+        let rows = bytes.as_chunks::<STRIDE>().0;
+        let rows = &rows[..count.min(rows.len())];
+        let [x, y, z, _] = numbers(self.cloud);
+        let start = self.filled[0];
+        let xyz = [x, y, z].map(|axis| &mut axis[start..start + rows.len()]);
+        self.is_finite &= pulp::Arch::new().dispatch(Places { rows, xyz });
+        self.filled[..3].fill(start + rows.len());
+        rows.len()
     }
 
     /// Decodes some rows of one column: those behind the ones it has.
@@ -143,9 +188,11 @@ impl<'a> Growing<'a> {
             2 => z,
             _ => intensity,
         };
-        let start = numbers.len();
-        column.decode(body, first, count, self.order, numbers);
-        self.is_finite &= axis > 2 || all_finite(&numbers[start..]);
+        let start = self.filled[axis];
+        let numbers = &mut numbers[start..start + count];
+        column.decode(body, first, self.order, numbers);
+        self.is_finite &= axis > 2 || all_finite(numbers);
+        self.filled[axis] += count;
     }
 
     pub(super) fn finish(self) {
@@ -155,47 +202,89 @@ impl<'a> Growing<'a> {
     }
 }
 
+/// The rows to take columns from, by the widest registers of the machine: each row starts with three little-endian floats.
+struct Places<'a, const STRIDE: usize> {
+    rows: &'a [[u8; STRIDE]],
+    xyz: [&'a mut [f32]; 3],
+}
+
+impl<const STRIDE: usize> pulp::NullaryFnOnce for Places<'_, STRIDE> {
+    /// Whether all are finite numbers.
+    type Output = bool;
+
+    #[inline(always)]
+    fn call(self) -> bool {
+        const SIGN: u32 = 1 << 31;
+        let [x, y, z] = self.xyz;
+        let mut greatest = 0;
+        for (((row, x), y), z) in self.rows.iter().zip(x).zip(y).zip(z) {
+            let bits = |at| u32::from_le_bytes([row[at], row[at + 1], row[at + 2], row[at + 3]]);
+            let (bits_x, bits_y, bits_z) = (bits(0), bits(4), bits(8));
+            greatest = greatest.max(bits_x & !SIGN).max(bits_y & !SIGN).max(bits_z & !SIGN);
+            (*x, *y, *z) = (f32::from_bits(bits_x), f32::from_bits(bits_y), f32::from_bits(bits_z));
+        }
+        greatest < f32::INFINITY.to_bits()
+    }
+}
+
 /// x, y, z and intensity.
 pub(super) fn numbers(cloud: &mut PointCloud) -> [&mut Vec<f32>; 4] {
     [&mut cloud.x, &mut cloud.y, &mut cloud.z, &mut cloud.intensity]
 }
 
 impl Column {
-    /// Appends the numbers of some rows.
-    fn decode(
-        self,
-        body: &[u8],
-        first: usize,
-        count: usize,
-        order: ByteOrder,
-        numbers: &mut Vec<f32>,
-    ) {
+    /// Reads the numbers of some rows.
+    #[inline(always)]
+    fn decode(self, body: &[u8], first: usize, order: ByteOrder, numbers: &mut [f32]) {
         let bytes = body.get(self.start + first * self.stride..).unwrap_or_default();
-        let rows = bytes.chunks_exact(self.stride).take(count);
-        let read = rows.len();
+        let read = numbers.len().min(bytes.len() / self.stride);
+        let (whole, last) = numbers.split_at_mut(read);
         match (self.scalar, order, self.stride) {
             // The usual floats, fast: a column of its own, `x y z intensity` and nuScenes' five.
-            (Scalar::F32, ByteOrder::Little, 4) => numbers.extend(floats::<4>(bytes, read)),
-            (Scalar::F32, ByteOrder::Little, 16) => numbers.extend(floats::<16>(bytes, read)),
-            (Scalar::F32, ByteOrder::Little, 20) => numbers.extend(floats::<20>(bytes, read)),
-            (Scalar::F32, ByteOrder::Little, _) => {
-                let number = |row: &[u8]| row.first_chunk().map(|&bytes| f32::from_le_bytes(bytes));
-                numbers.extend(rows.map(|row| number(row).unwrap_or(f32::NAN)));
+            (Scalar::F32, ByteOrder::Little, 4) => floats::<4>(bytes, whole),
+            (Scalar::F32, ByteOrder::Little, 16) => floats::<16>(bytes, whole),
+            (Scalar::F32, ByteOrder::Little, 20) => floats::<20>(bytes, whole),
+            (Scalar::F32, ByteOrder::Little, stride) if stride > 4 => {
+                for (number, row) in whole.iter_mut().zip(bytes.chunks_exact(stride)) {
+                    *number = f32::from_le_bytes([row[0], row[1], row[2], row[3]]);
+                }
             }
-            (scalar, ..) => numbers.extend(rows.map(|row| scalar.read(row, order))),
+            (scalar, _, stride) => {
+                for (number, row) in whole.iter_mut().zip(bytes.chunks_exact(stride)) {
+                    *number = scalar.read(row, order);
+                }
+            }
         }
-        if read < count {
+        for (number, row) in last.iter_mut().zip(read..) {
             // The last row of a file ends before the stride does when the column is not its first.
-            let last = bytes.get(read * self.stride..).unwrap_or_default();
-            numbers.push(self.scalar.read(last, order));
+            let bytes = bytes.get(row * self.stride..).unwrap_or_default();
+            *number = self.scalar.read(bytes, order);
         }
     }
 }
 
-/// The little-endian floats at the start of each row.
-fn floats<const STRIDE: usize>(bytes: &[u8], rows: usize) -> impl ExactSizeIterator<Item = f32> {
-    let rows = bytes.as_chunks::<STRIDE>().0.iter().take(rows);
-    rows.map(|row| f32::from_le_bytes([row[0], row[1], row[2], row[3]]))
+/// Reads the little-endian float at the start of each row.
+fn floats<const STRIDE: usize>(bytes: &[u8], numbers: &mut [f32]) {
+    for (number, row) in numbers.iter_mut().zip(bytes.as_chunks::<STRIDE>().0) {
+        *number = f32::from_le_bytes([row[0], row[1], row[2], row[3]]);
+    }
+}
+
+/// Gives a column so many numbers, of any value, in the memory that it has if that is enough.
+fn resize(numbers: &mut Vec<f32>, count: usize) {
+    if numbers.capacity() < count {
+        *numbers = vec![0.0; count]; // which nobody has to fill with zeros
+    } else {
+        numbers.resize(count, 0.0);
+    }
+}
+
+/// Takes all points out of a cloud, but keeps its memory.
+pub(super) fn empty(cloud: &mut PointCloud) {
+    for column in numbers(cloud) {
+        column.clear();
+    }
+    cloud.skipped = 0;
 }
 
 /// Moves the points together that have a place; the others are counted instead.

@@ -82,7 +82,7 @@ impl Format {
         filled(sensor, |cloud| self.fill(bytes, Fields::All, &mut Vec::new(), cloud))
     }
 
-    /// [`Format::parse`], of some fields only, into a cloud without points; decompresses into `block`.
+    /// [`Format::parse`], of some fields only, into a cloud; decompresses into `block`.
     fn fill(
         self,
         bytes: &[u8],
@@ -167,15 +167,14 @@ impl Reader {
         cloud: &mut PointCloud,
     ) -> Result<(), Error> {
         sensor.clone_into(&mut cloud.sensor);
-        empty(cloud);
         let read = self.fill(path, fields, cloud);
         if read.is_err() {
-            empty(cloud);
+            columns::empty(cloud);
         }
         read
     }
 
-    /// Reads a file into a cloud without points.
+    /// Reads a file into a cloud, whatever it held.
     fn fill(&mut self, path: &Path, fields: Fields, cloud: &mut PointCloud) -> Result<(), Error> {
         let format = Format::of(path).ok_or_else(|| {
             let name = path.file_name().unwrap_or_default();
@@ -198,14 +197,6 @@ fn filled<E>(
     let mut cloud = PointCloud { sensor: sensor.into(), ..PointCloud::default() };
     fill(&mut cloud)?;
     Ok(cloud)
-}
-
-/// Takes all points out of a cloud, but keeps its memory.
-fn empty(cloud: &mut PointCloud) {
-    for column in columns::numbers(cloud) {
-        column.clear();
-    }
-    cloud.skipped = 0;
 }
 
 /// The start of a text, short enough for a message.

@@ -62,7 +62,7 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, NpyError> {
     filled(sensor, |cloud| fill(bytes, Fields::All, cloud))
 }
 
-/// [`parse`], of some fields only, into a cloud without points.
+/// [`parse`], of some fields only, into a cloud.
 pub(super) fn fill(bytes: &[u8], fields: Fields, cloud: &mut PointCloud) -> Result<(), NpyError> {
     let (header, body) = split_header(bytes)?;
     let Header { scalar, fortran_order, rows, columns } = header.parse()?;

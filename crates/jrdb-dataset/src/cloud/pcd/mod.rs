@@ -102,7 +102,7 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PcdError> {
     filled(sensor, |cloud| fill(bytes, Fields::All, &mut Vec::new(), cloud))
 }
 
-/// [`parse`], of some fields only, into a cloud without points; decompresses into `block`.
+/// [`parse`], of some fields only, into a cloud; decompresses into `block`.
 pub(super) fn fill(
     bytes: &[u8],
     fields: Fields,

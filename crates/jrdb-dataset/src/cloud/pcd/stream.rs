@@ -11,12 +11,10 @@ use crate::Error;
 use crate::cloud::columns::{ByteOrder, Growing};
 use crate::cloud::{CloudError, Fields, Reader};
 
-/// Bytes that are read first, for the header to be in them.
-const HEAD: usize = 1 << 16;
-/// Bytes of a binary body that are read at a time: they stay in the second-level cache until they are decoded.
+/// Bytes that are read at a time, the header in the first: they stay in the second-level cache until they are decoded.
 const PIECE: usize = 1 << 17;
 
-/// Reads a file into a cloud without points; what it says is what [`super::parse`] says of its bytes.
+/// Reads a file into a cloud; what it says is what [`super::parse`] says of its bytes.
 pub(in crate::cloud) fn read(
     path: &Path,
     fields: Fields,
@@ -26,13 +24,12 @@ pub(in crate::cloud) fn read(
     let unreadable = |source| Error::Read { path: path.into(), source };
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
-    bytes.resize(HEAD, 0);
-    let filled = read_full(&mut file, bytes).map_err(unreadable)?;
+    bytes.resize(PIECE.max(bytes.len()), 0);
+    let filled = read_full(&mut file, &mut bytes[..PIECE]).map_err(unreadable)?;
     let parsed = match Header::parse(&bytes[..filled]) {
         Ok((header, body)) if header.encoding == Encoding::Binary && header.row_bytes <= PIECE => {
             let (header, start) = (header.with(fields), filled - body.len());
-            bytes.resize(PIECE, 0);
-            let source = Source { file, piece: bytes, start, filled };
+            let source = Source { file, piece: &mut bytes[..PIECE], start, filled };
             source.binary(&header, length, cloud).map_err(unreadable)?
         }
         // Another encoding, or a header that is wrong or longer than a piece.

@@ -74,7 +74,7 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PlyError> {
     filled(sensor, |cloud| fill(bytes, Fields::All, cloud))
 }
 
-/// [`parse`], of some fields only, into a cloud without points.
+/// [`parse`], of some fields only, into a cloud.
 pub(super) fn fill(bytes: &[u8], fields: Fields, cloud: &mut PointCloud) -> Result<(), PlyError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
