@@ -101,7 +101,7 @@ impl BaseCloud {
 }
 
 /// Points in a block: their coordinates stay in the first-level cache.
-const BLOCK: usize = 256;
+const BLOCK: usize = 512;
 
 /// A sweep with the place of its LiDAR; an issue when the rig does not know it.
 fn place<'a>(
