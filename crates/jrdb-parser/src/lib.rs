@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod clause;
+mod clothes;
 mod coordination;
 mod deed;
 mod explain;

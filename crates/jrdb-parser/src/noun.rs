@@ -56,7 +56,7 @@ const DETERMINERS: Roles = Roles::of(&[
 ]);
 
 /// What may stand between a word and the noun it belongs to.
-const BEFORE_NOUN: Roles = Roles::of(&[
+pub(crate) const BEFORE_NOUN: Roles = Roles::of(&[
     Role::Says,
     Role::Superlative,
     Role::Ordinal,
@@ -95,6 +95,9 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::Non,
     Role::Last,
 ]);
+
+/// What may stand between adjectives.
+const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
 
 /// Words between a word and its noun at most.
 const LOOK_MAX: usize = 8;
@@ -219,7 +222,6 @@ impl Parser<'_> {
 
     /// Steps over "," and "and" between adjectives; true for "or".
     fn adjective_joint(&mut self) -> Option<bool> {
-        const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
         let mut is_or = None;
         while self.roles().has_any(JOINTS) {
             is_or = Some(self.is(Role::Or) || is_or == Some(true));
@@ -246,13 +248,11 @@ impl Parser<'_> {
         if entry.category != Some(Category::Person) || !entry.says.iter().all(is_age) {
             return false;
         }
-        let joints = Roles::of(&[Role::Comma, Role::And, Role::Or]);
-        let next = self.after(self.at + 1, joints);
-        let is_joined = next > self.at + 1;
+        let next = self.after(self.at + 1, JOINTS);
         let roles = self.roles_at(next);
         let is_person = self.entry_at(next).category == Some(Category::Person);
         let is_plain = roles.has(Role::Says) && !roles.has(Role::Action) && !roles.has(Role::Noun);
-        if is_joined {
+        if next > self.at + 1 {
             return is_plain && self.is_list_to_person(next);
         }
         is_person || (is_plain || roles.has(Role::Lacks)) && self.is_noun_ahead(next)
@@ -267,13 +267,15 @@ impl Parser<'_> {
 
     fn adjective(&mut self, thing: &mut Thing) -> bool {
         let (entry, roles, at) = (self.entry(), self.roles(), self.at);
-        let conditions = &mut thing.pattern.conditions;
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
+        let conditions = &mut thing.pattern.conditions;
         if roles.has(Role::Noun) || roles.has(Role::Says) && self.is_adjective_here() {
-            conditions.extend(entry.says.iter().cloned());
-            self.at += 1;
+            if !self.color_of_thing() {
+                conditions.extend(entry.says.iter().cloned());
+                self.at += 1;
+            }
             return true;
         }
         let is_compared = roles.has(Role::Comparative)
@@ -317,7 +319,6 @@ impl Parser<'_> {
 
     /// "or walking people" behind "standing".
     fn is_joint_of_adjectives(&self, at: usize) -> bool {
-        const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
         let next = self.after(at, JOINTS);
         next > at
             && self.is_at(next, Role::Says)

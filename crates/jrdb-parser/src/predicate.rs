@@ -3,6 +3,7 @@
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
+use crate::clothes::CLOTHES_START;
 use crate::joined::{all_of, any_of, split_from};
 use crate::lexicon::{Role, Roles};
 use crate::noun::NOUN_START;
@@ -56,6 +57,9 @@ impl Parser<'_> {
         let roles = self.roles();
         if roles.has(Role::Not) {
             return self.negated(pattern);
+        }
+        if roles.has_any(CLOTHES_START) && self.clothes(pattern) {
+            return true;
         }
         if roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
             return self.deed(pattern);

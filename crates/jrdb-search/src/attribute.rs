@@ -3,6 +3,7 @@
 use std::fmt::Display;
 
 use jrdb_types::answer::{Measured, Unit};
+use jrdb_types::vocab::Color;
 use jrdb_types::{Action, Age, Attributes, Belief, Condition, Gender, Race};
 
 use crate::place::{interval, measured};
@@ -31,6 +32,12 @@ pub(crate) fn value(
         Condition::Gender(asked) => of_belief(known.map(|k| &k.gender), *asked, Gender::ALL.len()),
         Condition::Race(asked) => of_belief(known.map(|k| &k.race), *asked, Race::ALL.len()),
         Condition::Action(asked) => of_belief(known.map(|k| &k.action), *asked, Action::ALL.len()),
+        Condition::UpperColor(asked) => {
+            of_belief(known.map(|k| &k.upper_color), *asked, Color::ALL.len())
+        }
+        Condition::LowerColor(asked) => {
+            of_belief(known.map(|k| &k.lower_color), *asked, Color::ALL.len())
+        }
         _ => return None,
     })
 }
@@ -50,6 +57,12 @@ pub(crate) fn told(
         (Condition::Race(asked), Some(k)) => (wording::belief(&k.race), balance(&k.race, *asked)),
         (Condition::Action(asked), Some(k)) => {
             (wording::belief(&k.action), balance(&k.action, *asked))
+        }
+        (Condition::UpperColor(asked), Some(k)) => {
+            (wording::belief(&k.upper_color), balance(&k.upper_color, *asked))
+        }
+        (Condition::LowerColor(asked), Some(k)) => {
+            (wording::belief(&k.lower_color), balance(&k.lower_color, *asked))
         }
         _ => (None, None),
     };

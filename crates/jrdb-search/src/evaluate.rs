@@ -208,7 +208,9 @@ impl Searcher<'_, '_> {
             Condition::Age(_)
             | Condition::Gender(_)
             | Condition::Race(_)
-            | Condition::Action(_) => {
+            | Condition::Action(_)
+            | Condition::UpperColor(_)
+            | Condition::LowerColor(_) => {
                 let neighbor = self.config.age_neighbor_probability;
                 fill(&|number| {
                     let known = self.index.node(number).map(|node| &node.attributes);

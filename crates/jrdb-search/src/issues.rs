@@ -75,6 +75,12 @@ impl Missing<'_, '_, '_> {
             Condition::Gender(_) => attribute("genders", |a| !a.gender.is_unknown()),
             Condition::Race(_) => attribute("races", |a| !a.race.is_unknown()),
             Condition::Action(_) => attribute("actions", |a| !a.action.is_unknown()),
+            Condition::UpperColor(_) => {
+                attribute("colours of clothes", |a| !a.upper_color.is_unknown());
+            }
+            Condition::LowerColor(_) => {
+                attribute("colours of clothes", |a| !a.lower_color.is_unknown());
+            }
             Condition::FromRobot(place) => self.place(place),
             Condition::GroupSize(_) => {
                 let index = self.searcher.index;

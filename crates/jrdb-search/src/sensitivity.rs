@@ -109,7 +109,12 @@ fn propose<'q>(
     found: &mut Vec<Proposal<'q>>,
 ) {
     match condition {
-        Condition::Age(_) | Condition::Gender(_) | Condition::Race(_) | Condition::Action(_) => {
+        Condition::Age(_)
+        | Condition::Gender(_)
+        | Condition::Race(_)
+        | Condition::Action(_)
+        | Condition::UpperColor(_)
+        | Condition::LowerColor(_) => {
             add(Number::Belief(id.clone(), condition), None, check, found);
         }
         Condition::FromRobot(place) => {

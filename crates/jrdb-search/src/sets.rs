@@ -112,7 +112,9 @@ impl<'i> Searcher<'i, '_> {
             Condition::Age(_)
             | Condition::Gender(_)
             | Condition::Race(_)
-            | Condition::Action(_) => BitSet::new(within.size()),
+            | Condition::Action(_)
+            | Condition::UpperColor(_)
+            | Condition::LowerColor(_) => BitSet::new(within.size()),
         }
     }
 
@@ -154,7 +156,9 @@ impl<'i> Searcher<'i, '_> {
             Condition::Age(_)
             | Condition::Gender(_)
             | Condition::Race(_)
-            | Condition::Action(_) => BitSet::new(within.size()),
+            | Condition::Action(_)
+            | Condition::UpperColor(_)
+            | Condition::LowerColor(_) => BitSet::new(within.size()),
         }
     }
 
@@ -182,6 +186,8 @@ impl<'i> Searcher<'i, '_> {
             Condition::Gender(value) => Some(columns.gender(*value)),
             Condition::Race(value) => Some(columns.race(*value)),
             Condition::Action(value) => Some(columns.action(*value)),
+            Condition::UpperColor(value) => Some(columns.upper_color(*value)),
+            Condition::LowerColor(value) => Some(columns.lower_color(*value)),
             Condition::FromRobot(Place::Distance(value)) => Some(columns.distance(*value)),
             Condition::FromRobot(Place::Direction(value)) => Some(columns.direction(*value)),
             _ => None,

@@ -13,6 +13,8 @@ pub(crate) fn asked(condition: &Condition) -> String {
         Condition::Gender(value) => format!("gender {value}"),
         Condition::Race(value) => format!("race {value}"),
         Condition::Action(value) => format!("action {value}"),
+        Condition::UpperColor(value) => format!("{value} above the waist"),
+        Condition::LowerColor(value) => format!("{value} below the waist"),
         Condition::FromRobot(place) => from_robot(place),
         Condition::GroupSize(quantity) => group(*quantity),
         Condition::Related(related) => relation(related),

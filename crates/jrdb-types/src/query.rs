@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
 use crate::issue::Issue;
-use crate::vocab::{Action, Age, Direction, DistanceWord, Gender, PairWord, Race};
+use crate::vocab::{Action, Age, Color, Direction, DistanceWord, Gender, PairWord, Race};
 
 /// What is asked of the things that match.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -290,6 +290,10 @@ pub enum Condition {
     Race(Race),
     /// What the body does.
     Action(Action),
+    /// Colour of what it wears above the waist.
+    UpperColor(Color),
+    /// Colour of what it wears below the waist.
+    LowerColor(Color),
     /// Where it is, seen from the robot.
     FromRobot(Place),
     /// How many people its group has, itself included; 1 is alone.

@@ -1,7 +1,7 @@
 //! Who has which value: one set per word.
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::vocab::{Color, Elevation, Sector};
 use jrdb_types::{Action, Age, Direction, DistanceWord, Gender, Node, Race};
 
 use crate::BitSet;
@@ -47,6 +47,8 @@ pub struct Columns {
     gender: Column,
     race: Column,
     action: Column,
+    upper_color: Column,
+    lower_color: Column,
     distance: Column,
     direction: Column,
     people: BitSet,
@@ -60,6 +62,8 @@ impl Columns {
             gender: column(Gender::ALL.len()),
             race: column(Race::ALL.len()),
             action: column(Action::ALL.len()),
+            upper_color: column(Color::ALL.len()),
+            lower_color: column(Color::ALL.len()),
             distance: column(DistanceWord::ALL.len()),
             direction: column(DIRECTIONS),
             people: BitSet::new(size),
@@ -74,6 +78,8 @@ impl Columns {
         self.gender.put(number, believed.gender.best().map(|v| v as usize));
         self.race.put(number, believed.race.best().map(|v| v as usize));
         self.action.put(number, believed.action.best().map(|v| v as usize));
+        self.upper_color.put(number, believed.upper_color.best().map(|v| v as usize));
+        self.lower_color.put(number, believed.lower_color.best().map(|v| v as usize));
         let place = node.from_robot.unwrap_or_default();
         self.distance.put(number, place.distance.map(|v| v as usize));
         self.direction.put(number, place.direction.map(direction_code));
@@ -119,6 +125,20 @@ impl Columns {
     #[inline]
     pub fn action(&self, value: Action) -> (&BitSet, &BitSet) {
         (&self.action.values[value as usize], &self.action.known)
+    }
+
+    /// Those who wear this colour above the waist, and those of whom a colour is known there.
+    #[must_use]
+    #[inline]
+    pub fn upper_color(&self, value: Color) -> (&BitSet, &BitSet) {
+        (&self.upper_color.values[value as usize], &self.upper_color.known)
+    }
+
+    /// Those who wear this colour below the waist, and those of whom a colour is known there.
+    #[must_use]
+    #[inline]
+    pub fn lower_color(&self, value: Color) -> (&BitSet, &BitSet) {
+        (&self.lower_color.values[value as usize], &self.lower_color.known)
     }
 
     /// Those so far from the robot, and those at a known distance.

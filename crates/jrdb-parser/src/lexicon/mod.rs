@@ -6,10 +6,10 @@ mod role;
 use std::sync::LazyLock;
 
 use jrdb_types::query::{Category, Order, Property, RelationKind};
-use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::vocab::{Color, Elevation, Sector};
 use jrdb_types::{Condition, DistanceWord};
 
-pub(crate) use read::{Limit, Measured};
+pub(crate) use read::{Garment, Limit, Measured};
 pub(crate) use role::{Role, Roles};
 
 use crate::words::Piece;
@@ -40,6 +40,8 @@ pub(crate) struct Entry {
     pub(crate) order: Option<(Measured, Order)>,
     pub(crate) asks: Option<Property>,
     pub(crate) lacks: Option<String>,
+    pub(crate) color: Option<Color>,
+    pub(crate) garment: Option<Garment>,
 }
 
 impl Entry {

@@ -1,7 +1,7 @@
 //! Reads `lexicon.txt`.
 
 use jrdb_types::query::{Measure, Order, Task};
-use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::vocab::{Color, Elevation, Sector};
 use jrdb_types::{Condition, DistanceWord, Pattern, Query};
 
 use super::role::Role;
@@ -28,6 +28,19 @@ pub(crate) enum Limit {
     MoreThan,
     Exactly,
     About,
+}
+
+/// Where a piece of clothing is worn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Garment {
+    /// Above the waist.
+    Upper,
+    /// Below the waist.
+    Lower,
+    /// Above, below or both.
+    Any,
+    /// On the head, the feet or elsewhere.
+    Other,
 }
 
 /// Reads the whole file; the error is the line at fault.
@@ -109,6 +122,8 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
         "more" => put(&mut entry.order, order(value, Order::Most), Role::Comparative)?,
         "asks" => put(&mut entry.asks, property(value), Role::Asks)?,
         "lacks" => put(&mut entry.lacks, Some(value.to_owned()), Role::Lacks)?,
+        "color" => put(&mut entry.color, Color::from_word(value), Role::Color)?,
+        "garment" => put(&mut entry.garment, garment(value), Role::Garment)?,
         "word" => Role::from_word(value)?,
         _ => return None,
     };
@@ -165,6 +180,16 @@ fn limit(text: &str) -> Option<Limit> {
         "more than" => Limit::MoreThan,
         "exactly" => Limit::Exactly,
         "about" => Limit::About,
+        _ => return None,
+    })
+}
+
+fn garment(text: &str) -> Option<Garment> {
+    Some(match text {
+        "upper" => Garment::Upper,
+        "lower" => Garment::Lower,
+        "any" => Garment::Any,
+        "other" => Garment::Other,
         _ => return None,
     })
 }

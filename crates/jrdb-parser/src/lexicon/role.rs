@@ -53,6 +53,10 @@ roles! {
     Asks = "(asks)",
     /// Something that no scene graph holds.
     Lacks = "(lacks)",
+    /// A colour.
+    Color = "(color)",
+    /// A piece of clothing.
+    Garment = "(garment)",
     /// "find".
     Find = "find",
     /// "how many".

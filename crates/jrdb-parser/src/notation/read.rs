@@ -4,7 +4,7 @@ use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
     RelationKind, Slot, Task, Viewpoint,
 };
-use jrdb_types::vocab::{Elevation, PairWord, Sector};
+use jrdb_types::vocab::{Color, Elevation, PairWord, Sector};
 use jrdb_types::{
     Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race, Span,
 };
@@ -168,6 +168,12 @@ impl Reader<'_> {
         if let Some(order) = self.more_or_less() {
             return self.compared(order);
         }
+        if self.takes("upper") {
+            return self.color().map(Condition::UpperColor);
+        }
+        if self.takes("lower") {
+            return self.color().map(Condition::LowerColor);
+        }
         if let Some(place) = self.place()? {
             return Ok(Condition::FromRobot(place));
         }
@@ -209,6 +215,11 @@ impl Reader<'_> {
             "less" => Some(Order::Least),
             _ => None,
         })
+    }
+
+    fn color(&mut self) -> Read<Color> {
+        self.expect("=")?;
+        self.vocabulary(Color::from_word).ok_or_else(|| self.wanted("a colour"))
     }
 
     fn compared(&mut self, order: Order) -> Read<Condition> {

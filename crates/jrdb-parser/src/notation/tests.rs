@@ -154,6 +154,8 @@ fn condition(pattern: BoxedStrategy<Pattern>, depth: u32) -> BoxedStrategy<Condi
         any_of(Gender::ALL).prop_map(Condition::Gender),
         any_of(Race::ALL).prop_map(Condition::Race),
         any_of(Action::ALL).prop_map(Condition::Action),
+        any_of(Color::ALL).prop_map(Condition::UpperColor),
+        any_of(Color::ALL).prop_map(Condition::LowerColor),
         place().prop_map(Condition::FromRobot),
         quantity().prop_map(Condition::GroupSize),
     ];

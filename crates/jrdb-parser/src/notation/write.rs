@@ -151,6 +151,8 @@ fn condition(text: &mut String, condition: &Condition) {
         Condition::Gender(value) => put!(text, "{value}"),
         Condition::Race(value) => put!(text, "{value}"),
         Condition::Action(value) => put!(text, "{value}"),
+        Condition::UpperColor(value) => put!(text, "upper={value}"),
+        Condition::LowerColor(value) => put!(text, "lower={value}"),
         Condition::FromRobot(where_) => place(text, where_),
         Condition::GroupSize(size) => {
             text.push_str("group ");

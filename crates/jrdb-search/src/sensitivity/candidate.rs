@@ -60,6 +60,8 @@ impl Reach {
             | Condition::Gender(_)
             | Condition::Race(_)
             | Condition::Action(_)
+            | Condition::UpperColor(_)
+            | Condition::LowerColor(_)
             | Condition::FromRobot(_) => Self::Nothing,
         }
     }

@@ -2,7 +2,7 @@
 
 use jrdb_types::answer::Unit;
 use jrdb_types::entity::Between;
-use jrdb_types::vocab::Sector;
+use jrdb_types::vocab::{Color, Sector};
 use jrdb_types::{
     Action, Age, Belief, Condition, DistanceWord, Edge, EdgeRelation, EntityId, Gender,
     LateralConvention, Node, Race, SceneGraph, SpatialRelation,
@@ -107,6 +107,8 @@ impl<'g> Scratch<'g> {
             Condition::Gender(asked) => both(&known.gender, *asked),
             Condition::Race(asked) => both(&known.race, *asked),
             Condition::Action(asked) => both(&known.action, *asked),
+            Condition::UpperColor(asked) => both(&known.upper_color, *asked),
+            Condition::LowerColor(asked) => both(&known.lower_color, *asked),
             _ => [0.0; 2],
         }
     }
@@ -236,6 +238,8 @@ fn believe(node: &mut Node, condition: &Condition, to: f64) {
         Condition::Gender(asked) => trade(&mut known.gender, *asked, Gender::ALL, to),
         Condition::Race(asked) => trade(&mut known.race, *asked, Race::ALL, to),
         Condition::Action(asked) => trade(&mut known.action, *asked, Action::ALL, to),
+        Condition::UpperColor(asked) => trade(&mut known.upper_color, *asked, Color::ALL, to),
+        Condition::LowerColor(asked) => trade(&mut known.lower_color, *asked, Color::ALL, to),
         _ => {}
     }
 }

@@ -1,7 +1,7 @@
 //! Questions of every kind.
 
 use jrdb_types::query::{Category, Compared, Interval, Measure, Order, Pick, Place, Viewpoint};
-use jrdb_types::vocab::{PairWord, Sector};
+use jrdb_types::vocab::{Color, PairWord, Sector};
 use jrdb_types::*;
 
 use super::graphs::Random;
@@ -59,10 +59,12 @@ fn pattern(random: &mut Random, depth: usize) -> Pattern {
 }
 
 fn attribute(random: &mut Random) -> Condition {
-    match random.below(4) {
+    match random.below(6) {
         0 => Condition::Age(random.one_of(Age::ALL)),
         1 => Condition::Gender(random.one_of(Gender::ALL)),
         2 => Condition::Race(random.one_of(Race::ALL)),
+        3 => Condition::UpperColor(random.one_of(&Color::ALL[..3])),
+        4 => Condition::LowerColor(random.one_of(&Color::ALL[..3])),
         _ => Condition::Action(random.one_of(&Action::ALL[..3])),
     }
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use jrdb_types::entity::Between;
-use jrdb_types::vocab::PairWord;
+use jrdb_types::vocab::{Color, PairWord};
 use jrdb_types::*;
 
 use crate::geometry::{along, apart_m, robot_seen_by};
@@ -248,6 +248,8 @@ fn random_person(random: &mut Random, number: u32, beliefs: Beliefs) -> Node {
         gender: belief(random, Gender::ALL, beliefs),
         race: belief(random, Race::ALL, beliefs),
         action: belief(random, &Action::ALL[..3], beliefs),
+        upper_color: belief(random, &Color::ALL[..3], beliefs),
+        lower_color: belief(random, &Color::ALL[..3], beliefs),
         ..Attributes::default()
     };
     node.group = random.chance(0.3).then(|| random.below(2) as u32);

@@ -189,6 +189,8 @@ impl<'g> World<'g> {
             Condition::Gender(asked) => Some(known?.gender.best()? == *asked),
             Condition::Race(asked) => Some(known?.race.best()? == *asked),
             Condition::Action(asked) => Some(known?.action.best()? == *asked),
+            Condition::UpperColor(asked) => Some(known?.upper_color.best()? == *asked),
+            Condition::LowerColor(asked) => Some(known?.lower_color.best()? == *asked),
             Condition::FromRobot(asked) => placed(asked, &self.by_robot(thing)?),
             Condition::GroupSize(quantity) => Some(quantity.holds(self.group_size(thing)?)),
             Condition::Related(related) => self.related(thing, related),
