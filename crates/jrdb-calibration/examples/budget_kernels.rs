@@ -13,13 +13,20 @@ use std::hint::black_box;
 
 use jrdb_calibration::{FloorConfig, fit_floor};
 use jrdb_dataset::pcd::{self, Encoding};
+use jrdb_graph::{GraphConfig, GraphIndex, build};
+use jrdb_parser::parse;
 use jrdb_projection::box_view::BoxView;
 use jrdb_projection::localize::densest_range::{Target, densest_range};
 use jrdb_projection::nalgebra::Point3;
-use jrdb_projection::relation::{adjacency, overlap, pairwise::pairwise};
+use jrdb_projection::relation::{adjacency, overlap, pairwise::pairwise, wrap_rad};
 use jrdb_projection::select::points_in_boxes;
 use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors, project};
-use jrdb_types::{Box3d, LateralConvention, PointCloud};
+use jrdb_search::{SearchConfig, search};
+use jrdb_types::vocab::Color;
+use jrdb_types::{
+    Action, Age, Attributes, Belief, Box3d, Entities, Gender, LateralConvention, Localizer,
+    PointCloud, Query, Race,
+};
 
 /// Points of each of the two sweeps: half a real frame, as valgrind is slow.
 const POINTS_PER_SWEEP: usize = 16_384;
@@ -35,7 +42,7 @@ fn main() {
     println!("{}", registers());
     let cloud = inputs::cloud(POINTS_PER_SWEEP);
     let kernels = projection(&cloud).into_iter().chain(relations()).chain(files(&cloud));
-    for (name, mut kernel) in kernels.chain([floor(&cloud)]) {
+    for (name, mut kernel) in kernels.chain(questions()).chain([floor(&cloud)]) {
         // The first run binds symbols and looks for the machine's instructions.
         let expected = kernel();
         assert!(
@@ -135,6 +142,57 @@ fn files(cloud: &PointCloud) -> Vec<Kernel> {
         ("parse_pcd_compressed", parse(pcd::write(cloud, Encoding::BinaryCompressed))),
         ("parse_pcd_ascii", parse(ascii(cloud))),
     ]
+}
+
+/// What is asked of a crowd: attributes, places, relations, an order and a number.
+const QUESTIONS: [&str; 5] = [
+    "Find young, White and male persons who are far from you on your left",
+    "Who is the woman standing to the left of a child, close to me?",
+    "How many people in black are next to somebody who is sitting?",
+    "the second oldest person from the left who is not walking",
+    "What is the man in front of the elderly woman doing?",
+];
+
+fn questions() -> Vec<Kernel> {
+    let entities = crowd();
+    let scene = build(&entities, &GraphConfig::default());
+    let indexed = scene.clone();
+    let queries: Vec<Query> = QUESTIONS.iter().map(|text| parse(text)).collect();
+    let read = || QUESTIONS.iter().map(|text| parse(text).target.conditions.len()).sum();
+    vec![
+        ("build_graph", Box::new(move || build(&entities, &GraphConfig::default()).edges.len())),
+        ("index_graph", Box::new(move || GraphIndex::new(&indexed).size())),
+        ("parse", Box::new(read)),
+        (
+            "search",
+            Box::new(move || {
+                let answer = |query| search(&scene, query, &SearchConfig::default());
+                queries.iter().map(|query| answer(query).ranking.len()).sum()
+            }),
+        ),
+    ]
+}
+
+/// People in space of whom everything is known, and how they lie to each other.
+fn crowd() -> Entities {
+    let mut detections = inputs::detections(CROWD);
+    for (number, (detection, box3d)) in
+        detections.detections.iter_mut().zip(inputs::boxes3d(CROWD)).enumerate()
+    {
+        detection.heading_rad = Some(wrap_rad(box3d.heading_rad));
+        detection.box3d = Some(box3d);
+        detection.attributes = Attributes {
+            age: Belief::certain(Age::ALL[number % Age::ALL.len()]),
+            gender: Belief::certain(Gender::ALL[number % Gender::ALL.len()]),
+            race: Belief::certain(Race::ALL[number / 2 % Race::ALL.len()]),
+            action: Belief::certain(Action::ALL[number / 3 % Action::ALL.len()]),
+            upper_color: Belief::certain(Color::ALL[number / 4 % Color::ALL.len()]),
+            ..Attributes::default()
+        };
+    }
+    let config = ProjectionConfig { localizer: Localizer::Given, ..ProjectionConfig::default() };
+    let rig = inputs::rig();
+    project(&detections, &Scan::new(&[], &rig), &config).unwrap()
 }
 
 /// ASCII with six decimals, as most programs write it.

@@ -36,6 +36,8 @@ struct Course {
     is_listed: bool,
     /// "and" was read since the last predicate.
     is_joined: bool,
+    /// An alternative was read since the last predicate: the next one stands beside all of them.
+    is_alternative: bool,
     /// "who" or "is" was read.
     is_clause: bool,
     predicates: usize,
@@ -64,6 +66,7 @@ impl Parser<'_> {
             run: None,
             is_listed: false,
             is_joined: false,
+            is_alternative: false,
             is_clause: false,
             predicates: 0,
             noun: self.last_noun,
@@ -110,6 +113,9 @@ impl Parser<'_> {
         }
         if self.predicate(pattern, behind) {
             course.predicates += 1;
+            if std::mem::take(&mut course.is_alternative) {
+                course.group = before;
+            }
             if std::mem::take(&mut course.is_joined) {
                 self.part_exclusive(pattern, before, start);
             }
@@ -315,7 +321,7 @@ impl Parser<'_> {
         let second = all_of(split_from(&mut pattern.conditions, length));
         let first = all_of(split_from(&mut pattern.conditions, course.group));
         pattern.conditions.push(any_of(vec![first, second]));
-        course.run = None;
+        (course.run, course.is_alternative) = (None, true);
         true
     }
 

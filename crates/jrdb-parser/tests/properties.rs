@@ -224,6 +224,19 @@ fn long_texts_take_no_long_time() {
 }
 
 #[test]
+fn what_is_said_again_and_again_is_read_beside_and_not_inside_what_was_said_before() {
+    for text in [
+        "people in white shirts or black jackets",
+        "people at the door or white foo at the door",
+        "sitting near the door or standing bar ",
+    ] {
+        let query = parse(&text.repeat(200));
+        let again = notation::read(&notation::write(&query)).unwrap();
+        assert_eq!(again.target, query.target, "{text}");
+    }
+}
+
+#[test]
 fn nothing_is_understood_of_an_empty_or_foreign_text() {
     for text in ["", "  ", "?!", "où est la gare", "男の人を探して", "xqz wvk"] {
         assert!(!understood(&parse(text)), "{text}");
