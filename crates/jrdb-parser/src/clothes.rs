@@ -59,6 +59,26 @@ impl Parser<'_> {
         true
     }
 
+    /// "shirt is red" behind "whose".
+    pub(crate) fn whose_clothes(&mut self, pattern: &mut Pattern) -> bool {
+        let (mark, at) = (self.mark(), self.at);
+        let garment = self.entry().garment.filter(|_| self.is_at(at + 1, Role::Is));
+        self.at += 2;
+        let is_not = self.is_at(at + 1, Role::Not) || self.take(Role::Not);
+        let (colors, _) = self.colors();
+        let Some(garment) = garment.filter(|_| !colors.is_empty()) else {
+            self.reset(mark);
+            return false;
+        };
+        self.report_garment(garment, at, at);
+        let worn: Vec<Condition> = colors.into_iter().flat_map(|c| worn(garment, c)).collect();
+        if !worn.is_empty() {
+            let worn = any_of(worn);
+            pattern.conditions.push(if is_not { Condition::Not(Box::new(worn)) } else { worn });
+        }
+        true
+    }
+
     /// "black" of "the black car", which is no race: steps over it with an issue.
     pub(crate) fn color_of_thing(&mut self) -> bool {
         if !self.is(Role::Color) || !self.is(Role::Says) {
@@ -90,7 +110,8 @@ impl Parser<'_> {
             return false;
         }
         if let Some(garment) = garment {
-            self.report_garment(garment, start);
+            self.report_garment(garment, start, self.at);
+            self.at += 1;
         }
         let worn = colors.into_iter().map(|color| worn(garment.unwrap_or(Garment::Any), color));
         if is_and && garment.is_none() {
@@ -136,10 +157,9 @@ impl Parser<'_> {
         self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Lacks]))
     }
 
-    /// Steps over the name of a piece of clothing, whose kind nobody checks, and of which something was said from `start` on.
-    fn report_garment(&mut self, garment: Garment, start: usize) {
-        let (at, word) = (self.at, self.word(self.at));
-        self.at += 1;
+    /// Says how a piece of clothing is read, whose kind nobody checks; the word at `at` names it, what is said of it begins at `start`.
+    fn report_garment(&mut self, garment: Garment, start: usize, at: usize) {
+        let word = self.word(at);
         let place = match garment {
             Garment::Upper => "above the waist",
             Garment::Lower => "below the waist",

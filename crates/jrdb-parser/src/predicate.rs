@@ -294,7 +294,11 @@ impl Parser<'_> {
         let mark = self.mark();
         self.at += 1;
         let is_property = self.take(Role::Asks) && self.take(Role::Is);
-        let found = is_property && self.predicate(pattern, Behind::Noun);
+        let found = if is_property {
+            self.predicate(pattern, Behind::Noun)
+        } else {
+            self.whose_clothes(pattern)
+        };
         if !found {
             self.reset(mark);
         }
