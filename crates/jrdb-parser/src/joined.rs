@@ -1,7 +1,7 @@
 //! Conditions made of conditions.
 
-use jrdb_types::Condition;
-use jrdb_types::query::Place;
+use jrdb_types::query::{Place, RelationKind};
+use jrdb_types::{Condition, Pattern};
 
 /// Takes what was said from a place on. Alternatives may have joined conditions that stood before it: then it is nothing.
 pub(crate) fn split_from(conditions: &mut Vec<Condition>, from: usize) -> Vec<Condition> {
@@ -34,6 +34,30 @@ pub(crate) fn any_of(conditions: Vec<Condition>) -> Condition {
         }
     }
     if flat.len() == 1 { all_of(flat) } else { Condition::Any(flat) }
+}
+
+/// How many conditions and patterns stand inside each other, the pattern itself included.
+pub(crate) fn levels(pattern: &Pattern) -> usize {
+    1 + pattern.conditions.iter().map(levels_of).max().unwrap_or(0)
+}
+
+fn levels_of(condition: &Condition) -> usize {
+    1 + match condition {
+        Condition::Related(related) => {
+            let ends = related.kinds.iter().filter_map(|kind| match kind {
+                RelationKind::Between(end) => Some(levels(end)),
+                _ => None,
+            });
+            ends.max().unwrap_or(0).max(levels(&related.partner))
+        }
+        Condition::Compared(compared) => levels(&compared.than),
+        Condition::Is(pattern) => levels(pattern),
+        Condition::Not(inner) => levels_of(inner),
+        Condition::Any(parts) | Condition::All(parts) => {
+            parts.iter().map(levels_of).max().unwrap_or(0)
+        }
+        _ => 0,
+    }
 }
 
 /// Makes one condition of the last and the one before it, when "or" is between them or nothing can be both.

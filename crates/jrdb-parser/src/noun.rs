@@ -1,12 +1,11 @@
 //! Noun phrases: "the two oldest women", "a young, White and male person".
 
-use jrdb_types::query::{Category, Place, Quantity, RelationKind};
+use jrdb_types::query::{Category, Place, Quantity};
 use jrdb_types::{Condition, Direction, Pattern};
 
 use crate::joined::join;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::place::related;
 
 /// A noun phrase.
 #[derive(Debug, Default)]
@@ -125,17 +124,6 @@ impl Parser<'_> {
         }
         self.reset(mark);
         false
-    }
-
-    /// "'s bag" behind "the woman": the bag that is with her.
-    fn owned(&mut self, thing: &mut Thing) {
-        while self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Noun) {
-            self.at += 1;
-            let owner = std::mem::take(&mut thing.pattern);
-            self.noun(thing);
-            let with = related(vec![RelationKind::With], owner, Quantity::SOME);
-            thing.pattern.conditions.push(with);
-        }
     }
 
     fn determiners(&mut self, thing: &mut Thing) {
@@ -374,7 +362,7 @@ impl Parser<'_> {
         true
     }
 
-    fn noun(&mut self, thing: &mut Thing) -> bool {
+    pub(crate) fn noun(&mut self, thing: &mut Thing) -> bool {
         let entry = self.entry();
         if !entry.roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
             return false;

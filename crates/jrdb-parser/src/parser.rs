@@ -147,6 +147,15 @@ impl<'t> Parser<'t> {
         self.issues.truncate(mark.issues);
     }
 
+    /// Whether something of so many levels may stand inside another here: three levels for each that can still be read.
+    pub(crate) fn has_room(&mut self, levels: usize) -> bool {
+        let has_room = levels < 3 * (DEPTH_MAX - self.depth);
+        if !has_room {
+            self.too_deep = self.too_deep.or(Some(self.at));
+        }
+        has_room
+    }
+
     /// Runs a reader one level deeper; nothing is read at the deepest level, which is reported in the end.
     pub(crate) fn deeper<T: Default>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
         if self.depth == DEPTH_MAX {

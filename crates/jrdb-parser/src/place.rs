@@ -7,7 +7,7 @@ use jrdb_types::{Condition, Pattern};
 
 use crate::OfPerson;
 use crate::coordination::{Partner, remembered};
-use crate::joined::any_of;
+use crate::joined::{any_of, levels};
 use crate::lexicon::{Role, Roles};
 use crate::noun::Thing;
 use crate::parser::Parser;
@@ -153,6 +153,20 @@ impl Parser<'_> {
             self.reset(mark);
         }
         found
+    }
+
+    /// "'s bag" behind "the woman": the bag that is with her.
+    pub(crate) fn owned(&mut self, thing: &mut Thing) {
+        while self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Noun) {
+            if !self.has_room(levels(&thing.pattern)) {
+                return;
+            }
+            self.at += 1;
+            let owner = std::mem::take(&mut thing.pattern);
+            self.noun(thing);
+            let with = related(vec![RelationKind::With], owner, Quantity::SOME);
+            thing.pattern.conditions.push(with);
+        }
     }
 
     /// "a phone" behind "has the man".

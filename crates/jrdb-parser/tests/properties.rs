@@ -229,6 +229,8 @@ fn what_is_said_again_and_again_is_read_beside_and_not_inside_what_was_said_befo
         "people in white shirts or black jackets",
         "people at the door or white foo at the door",
         "sitting near the door or standing bar ",
+        "man's ",
+        "near a woman's man's man's ",
     ] {
         let query = parse(&text.repeat(200));
         let again = notation::read(&notation::write(&query)).unwrap();
