@@ -206,8 +206,8 @@ fn files(data: &Path) -> Result<Vec<Value>> {
         rows.push(
             json!({ "case": kind, "median_ms": median_ms, "bytes_ms": bytes_ms, "runs": runs }),
         );
-        rows.push(in_new_memory(kind, &paths)?);
     }
+    rows.push(in_new_memory("binary", &paths("binary"))?);
     Ok(rows)
 }
 
