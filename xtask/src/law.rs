@@ -55,6 +55,21 @@ pub(crate) const LAW: &[Row] = &[
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
     Row {
+        name: "jrdb-synth",
+        what: "drawn scenes with known answers",
+        ours: &[
+            "jrdb-types",
+            "jrdb-dataset",
+            "jrdb-perception",
+            "jrdb-projection",
+            "jrdb-graph",
+            "jrdb-parser",
+            "jrdb-search",
+        ],
+        others: None,
+        touches_the_world: true,
+    },
+    Row {
         name: "jrdb-pipeline",
         what: "composition: library and the `jrdb` command",
         ours: &[
@@ -67,6 +82,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-parser",
             "jrdb-search",
             "jrdb-metrics",
+            "jrdb-synth",
         ],
         others: None,
         touches_the_world: true,

@@ -12,9 +12,9 @@ use std::collections::BTreeMap;
 
 use jrdb_graph::GraphConfig;
 use jrdb_metrics::{MetricsConfig, Outcome};
-use jrdb_pipeline::synth::{SynthConfig, calibration, generate};
 use jrdb_projection::{ProjectionConfig, Scan};
 use jrdb_search::{SearchConfig, search};
+use jrdb_synth::{SynthConfig, calibration, generate};
 use jrdb_types::query::{Category, Pattern, Place, Related, RelationKind, Viewpoint};
 use jrdb_types::score::QuestionScore;
 use jrdb_types::vocab::MatchPolicy;

@@ -15,7 +15,7 @@ use jrdb_perception::florence2::{Florence2, Task};
 use jrdb_pipeline::backbone::{Graphs, florence2};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions, Loader};
 use jrdb_pipeline::profile::Profile;
-use jrdb_pipeline::synth::practice;
+use jrdb_synth::practice;
 
 /// Rounds over the tiles of a scene; the fastest counts, as the machine may be busy with other things.
 const ROUNDS: usize = 7;

@@ -14,7 +14,7 @@ use clap::ValueEnum;
 use jrdb_pipeline::backbone::Backbone;
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
 use jrdb_pipeline::exam::{described_table, found_table, on_panoramas, on_tiles};
-use jrdb_pipeline::synth::{Practice, practice};
+use jrdb_synth::{Practice, practice};
 use rayon::prelude::*;
 
 fn main() -> Result<()> {

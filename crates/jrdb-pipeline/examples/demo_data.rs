@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
 use jrdb_perception::resize::{Filter, resize};
-use jrdb_pipeline::synth::{InTile, TILE_PX, View, practice};
+use jrdb_synth::{InTile, TILE_PX, View, practice};
 use jrdb_types::PixelBox;
 
 fn main() -> Result<()> {

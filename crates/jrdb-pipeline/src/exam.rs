@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use crate::Error;
 use crate::backbone::Opened;
-use crate::synth::{Practice, Seen, TILE_PX};
+use jrdb_synth::{Practice, Seen, TILE_PX};
 
 /// People of whom less is seen, or who are narrower, need not be found.
 const VISIBLE_MIN: f64 = 0.3;

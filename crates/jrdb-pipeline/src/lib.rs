@@ -18,7 +18,6 @@ mod recording;
 pub mod report;
 pub mod run;
 pub mod source;
-pub mod synth;
 
 mod error;
 

@@ -9,7 +9,7 @@ use jrdb_perception::vlm::{Topic, questions};
 use jrdb_pipeline::backbone::{AttributeFiles, Backbone, Graphs, florence2};
 use jrdb_pipeline::engine::{EngineChoice, EngineOptions, Loader};
 use jrdb_pipeline::exam::{described_table, found_table, on_panoramas, on_tiles};
-use jrdb_pipeline::synth::{Practice, practice};
+use jrdb_synth::{Practice, practice};
 use rayon::prelude::*;
 use serde_json::Value;
 

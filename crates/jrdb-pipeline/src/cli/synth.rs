@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use jrdb_pipeline::Error;
-use jrdb_pipeline::synth::{self, SynthConfig};
+use jrdb_synth::SynthConfig;
 
 #[derive(Debug, Args)]
 pub(crate) struct SynthArgs {
@@ -52,9 +52,9 @@ impl SynthArgs {
                 people: self.people.into(),
                 frames: self.frames,
                 setting: match self.setting {
-                    Setting::Plaza => synth::Setting::Plaza,
-                    Setting::Cafe => synth::Setting::Cafe,
-                    Setting::Corridor => synth::Setting::Corridor,
+                    Setting::Plaza => jrdb_synth::Setting::Plaza,
+                    Setting::Cafe => jrdb_synth::Setting::Cafe,
+                    Setting::Corridor => jrdb_synth::Setting::Corridor,
                 },
                 sequence: self.sequence.clone().unwrap_or_else(|| self.default_sequence()),
             });
@@ -77,8 +77,8 @@ impl SynthArgs {
 
 pub(crate) fn synth(args: &SynthArgs) -> Result<ExitCode> {
     let config = args.config()?;
-    let world = synth::generate(&config);
-    synth::write(&world, &args.out).map_err(Error::from)?;
+    let world = jrdb_synth::generate(&config);
+    jrdb_synth::write(&world, &args.out).map_err(Error::from)?;
     let out = args.out.display();
     let done = format!(
         "{} frames of {} are in {out}; next: jrdb run --scene {out}",

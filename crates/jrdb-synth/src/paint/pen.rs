@@ -5,8 +5,8 @@ use jrdb_projection::nalgebra::{Point3, Vector2};
 use tiny_skia::{LineCap, LineJoin, Path, PathBuilder, Rect, Stroke, Transform};
 
 use super::canvas::{Canvas, Extent, closed};
-use crate::synth::robot::Panorama;
-use crate::synth::room::{Color, FLOOR_M};
+use crate::robot::Panorama;
+use crate::room::{Color, FLOOR_M};
 
 /// A pen at the feet of somebody: `[0, 0]` is the floor below the trunk, x grows to the right of
 /// the picture and y upwards, 1 is the body's height.

@@ -4,7 +4,7 @@ use jrdb_types::{Age, Gender};
 
 use super::person::{Facing, Figure};
 use super::shade;
-use crate::synth::room::Color;
+use crate::room::Color;
 
 const DARK: Color = [22, 20, 20];
 const WHITE: Color = [248, 246, 242];

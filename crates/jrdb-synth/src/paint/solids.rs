@@ -5,10 +5,10 @@ use jrdb_projection::nalgebra::{Point3, Vector2, Vector3};
 
 use super::canvas::{Canvas, Extent};
 use super::shade;
-use crate::synth::furniture::Part;
-use crate::synth::robot::Panorama;
-use crate::synth::room::Color;
-use crate::synth::solid::{Shape, Solid};
+use crate::furniture::Part;
+use crate::robot::Panorama;
+use crate::room::Color;
+use crate::solid::{Shape, Solid};
 
 /// Straight edges become curves in a panorama: corners set along each.
 const EDGE_CORNERS: u32 = 6;

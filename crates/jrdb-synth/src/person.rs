@@ -292,7 +292,7 @@ pub(super) mod tests {
     use super::*;
 
     /// Someone 4 m ahead who walks to the left.
-    pub(in crate::synth) fn walker() -> Person {
+    pub(crate) fn walker() -> Person {
         let mut random = Random::stream(5, 5);
         Person {
             number: 1,

@@ -12,12 +12,12 @@ mod lidar;
 mod paint;
 mod person;
 mod plan;
-mod practice;
 mod questions;
 mod random;
 mod robot;
 mod room;
 mod solid;
+mod training;
 mod view;
 mod wording;
 
@@ -36,9 +36,9 @@ use paint::{Subject, chair_of};
 use random::Random;
 use room::Room;
 
-pub use practice::{Practice, TILE_PX, practice};
 pub use robot::calibration;
 pub use room::Setting;
+pub use training::{Practice, TILE_PX, practice};
 pub use view::{InTile, Seen, View};
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.

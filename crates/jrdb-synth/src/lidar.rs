@@ -117,9 +117,9 @@ fn shell(ray: &Ray, room: &Room) -> Option<(f64, f32)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synth::person::tests::walker;
-    use crate::synth::robot;
-    use crate::synth::room::Setting;
+    use crate::person::tests::walker;
+    use crate::robot;
+    use crate::room::Setting;
 
     fn points(targets: &[Target], setting: Setting) -> Vec<Point3<f64>> {
         let room = Room::new(setting, &mut Random::stream(1, 1));

@@ -3,7 +3,7 @@
 use jrdb_types::Image;
 use tiny_skia::{FillRule, Paint, Path, PathBuilder, Pixmap, Transform};
 
-use crate::synth::room::Color;
+use crate::room::Color;
 
 /// The picture and its instance mask. What crosses the right edge goes on at the left one.
 pub(crate) struct Canvas {

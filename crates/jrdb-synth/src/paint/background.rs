@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use jrdb_types::Image;
 
-use crate::synth::robot::Panorama;
-use crate::synth::room::{Above, Color, FLOOR_M, Panel, Room, WallHit};
+use crate::robot::Panorama;
+use crate::room::{Above, Color, FLOOR_M, Panel, Room, WallHit};
 
 /// Width of the joints between tiles, of a panel's frame and of the strip between wall and plinth,
 /// metres.

@@ -7,9 +7,9 @@ use jrdb_types::{Action, Age};
 use super::canvas::{Canvas, Extent};
 use super::pen::Pen;
 use super::shade;
-use crate::synth::person::{Build, CHIN, KNEE, Look, Person, Pose};
-use crate::synth::robot::Panorama;
-use crate::synth::room::Color;
+use crate::person::{Build, CHIN, KNEE, Look, Person, Pose};
+use crate::robot::Panorama;
+use crate::room::Color;
 
 /// Which side of a person the robot sees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
