@@ -54,6 +54,11 @@ pub(crate) const LAW: &[Row] = &[
         &["jrdb-types", "jrdb-graph"],
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    stage(
+        "jrdb-draw",
+        "pictures: panorama, view from above, overlay",
+        &["jrdb-types", "jrdb-projection"],
+    ),
     Row {
         name: "jrdb-synth",
         what: "drawn scenes with known answers",
@@ -82,6 +87,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-parser",
             "jrdb-search",
             "jrdb-metrics",
+            "jrdb-draw",
             "jrdb-synth",
         ],
         others: None,

@@ -3,7 +3,6 @@
 pub mod backbone;
 mod baseline;
 pub mod calib;
-pub mod draw;
 pub mod engine;
 pub mod exam;
 pub mod frame;

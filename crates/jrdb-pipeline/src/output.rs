@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::PngCompression;
+use jrdb_draw::{Caption, FrameView, draw_panorama, draw_top_view};
+use jrdb_projection::{BaseCloud, Sensors};
 use jrdb_types::{Artefact, FrameId, Image, Payload, Scores};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use crate::draw::{draw_panorama, draw_top_view};
 use crate::frame::{Asked, FrameInput, FrameOutput};
 use crate::perceive::Perceiver;
 use crate::run::RunOptions;
@@ -85,21 +86,28 @@ impl Writer {
                 &output.graph,
             )?;
         }
+        let sensors = Sensors::new(&input.robot.rig, input.robot.camera.as_deref()).ok();
+        let cloud = sensors.map(|s| BaseCloud::merge(&input.clouds, &s, &mut Vec::new()));
+        let view = FrameView {
+            geometry: input.detections.image,
+            image: input.image.as_ref(),
+            cloud: cloud.as_ref(),
+            entities: &output.entities.entities,
+        };
         if output.asked.is_empty() {
-            self.pictures(&folder, input, output, None)?;
+            pictures(&folder, &view, None)?;
         }
         // Pictures take most of the time of a run, and each stands alone.
         output.asked.par_iter().enumerate().try_for_each(|(index, asked)| {
             let folder = self.layout.question(&folder, index + 1);
-            self.question(&folder, input, output, asked)
+            self.question(&folder, &view, asked)
         })
     }
 
     fn question(
         &self,
         folder: &Path,
-        input: &FrameInput,
-        output: &FrameOutput,
+        view: &FrameView<'_>,
         asked: &Asked,
     ) -> Result<(), Error> {
         if self.with_artifacts {
@@ -107,21 +115,8 @@ impl Writer {
             write_artefact(&folder.join("query.json"), config, &asked.query)?;
         }
         write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
-        self.pictures(folder, input, output, Some(asked))
-    }
-
-    fn pictures(
-        &self,
-        folder: &Path,
-        input: &FrameInput,
-        output: &FrameOutput,
-        asked: Option<&Asked>,
-    ) -> Result<(), Error> {
-        let panorama = draw_panorama(input, output, asked);
-        let top_view = draw_top_view(input, output, asked);
-        let png = |image: &Image| jrdb_dataset::encode_png(image, PngCompression::Quick);
-        write(&folder.join("panorama.png"), &png(&panorama))?;
-        write(&folder.join("top_view.png"), &png(&top_view))
+        let caption = Caption { question: &asked.question.text, answer: &asked.answer };
+        pictures(folder, view, Some(caption))
     }
 
     /// Writes the answer to a question about a recording: `recording_01.json` and so on.
@@ -140,6 +135,16 @@ impl Writer {
     pub fn scores(&self, scores: &Scores) -> Result<(), Error> {
         write_artefact(&self.root.join("scores.json"), json!(self.config.metrics), scores)
     }
+}
+
+fn pictures(
+    folder: &Path,
+    view: &FrameView<'_>,
+    caption: Option<Caption<'_>>,
+) -> Result<(), Error> {
+    let png = |image: &Image| jrdb_dataset::encode_png(image, PngCompression::Quick);
+    write(&folder.join("panorama.png"), &png(&draw_panorama(view, caption)))?;
+    write(&folder.join("top_view.png"), &png(&draw_top_view(view, caption)))
 }
 
 /// Writes an artefact, with the folders it needs.

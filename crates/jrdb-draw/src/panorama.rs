@@ -4,9 +4,8 @@ use jrdb_types::EntityId;
 use jrdb_types::answer::Reply;
 use jrdb_types::{Entity, Image, PixelBox};
 
-use super::canvas::{Letters, text_size};
-use super::{BLACK, Canvas, Color, Role, WHITE, witnesses};
-use crate::frame::{Asked, FrameInput, FrameOutput};
+use crate::canvas::{Letters, text_size};
+use crate::{BLACK, Canvas, Caption, Color, FrameView, Role, WHITE, witnesses};
 
 /// Height of the strip that holds question and answer, pixels.
 const STRIP_PX: usize = 104;
@@ -15,20 +14,20 @@ const STRIP_PX: usize = 104;
 /// selected ones green, their partners orange. A box across the seam is drawn as its two parts.
 /// Without a picture the ground is grey.
 #[must_use]
-pub fn draw_panorama(input: &FrameInput, output: &FrameOutput, asked: Option<&Asked>) -> Image {
-    let size = input.detections.image;
+pub fn draw_panorama(frame: &FrameView<'_>, caption: Option<Caption<'_>>) -> Image {
+    let size = frame.geometry;
     let (width, height) = (size.width_px as usize, size.height_px as usize);
     let mut canvas = Canvas::filled(width, height + STRIP_PX, [70; 3]);
-    if let Some(image) = &input.image {
+    if let Some(image) = frame.image {
         canvas.image(image, 0, STRIP_PX as i32);
     }
     canvas.fill_rect([0.0, 0.0, width as f64, STRIP_PX as f64], BLACK, 1.0);
-    if let Some(asked) = asked {
-        strip(&mut canvas, asked);
+    if let Some(caption) = caption {
+        strip(&mut canvas, caption);
     }
-    let answer = asked.map(|asked| &asked.answer);
+    let answer = caption.map(|caption| caption.answer);
     let mut entities: Vec<(Role, &Entity)> =
-        output.entities.entities.iter().map(|e| (Role::of(&e.id, answer), e)).collect();
+        frame.entities.iter().map(|e| (Role::of(&e.id, answer), e)).collect();
     // The answer last, so that nothing lies over it.
     entities.sort_by_key(|(role, _)| *role);
     for (role, entity) in entities {
@@ -37,9 +36,8 @@ pub fn draw_panorama(input: &FrameInput, output: &FrameOutput, asked: Option<&As
     canvas.to_image()
 }
 
-fn strip(canvas: &mut Canvas, asked: &Asked) {
-    canvas.text(&asked.question.text, [16.0, 8.0], Letters::Huge, WHITE);
-    let answer = &asked.answer;
+fn strip(canvas: &mut Canvas, Caption { question, answer }: Caption<'_>) {
+    canvas.text(question, [16.0, 8.0], Letters::Huge, WHITE);
     let count = match &answer.reply {
         Reply::Things | Reply::Told(_) => String::new(),
         Reply::Number(number) => format!("{number}: "),
@@ -49,13 +47,13 @@ fn strip(canvas: &mut Canvas, asked: &Asked) {
     let names: Vec<String> = answer.selection.iter().map(EntityId::short).collect();
     let names = if names.is_empty() { "none".into() } else { names.join(" ") };
     let words = format!("answer: {count}{names}");
-    canvas.text(&words, [16.0, 54.0], Letters::Huge, super::ANSWER);
+    canvas.text(&words, [16.0, 54.0], Letters::Huge, crate::ANSWER);
     let partners: Vec<String> = witnesses(answer)
         .map(|(of, partner)| format!("{} with {}", of.short(), partner.short()))
         .collect();
     if !partners.is_empty() {
         let at = [16.0 + text_size(&words, Letters::Huge)[0] + 40.0, 54.0];
-        canvas.text(&partners.join(", "), at, Letters::Huge, super::WITNESS);
+        canvas.text(&partners.join(", "), at, Letters::Huge, crate::WITNESS);
     }
 }
 

@@ -4,8 +4,8 @@ use jrdb_projection::CameraModel;
 use jrdb_projection::nalgebra::Point3;
 use jrdb_types::Image;
 
-use super::canvas::{Letters, text_size};
-use super::{BLACK, Canvas, Color, WHITE};
+use crate::canvas::{Letters, text_size};
+use crate::{BLACK, Canvas, Color, WHITE};
 
 /// Height of the strip with title and legend, pixels.
 const HEAD_PX: usize = 64;

@@ -1,4 +1,4 @@
-//! Pictures of a frame and its answer: boxes on the panorama, and the scene from above.
+#![doc = include_str!("../README.md")]
 
 mod canvas;
 mod overlay;
@@ -10,7 +10,8 @@ pub use overlay::{Overlay, Strip, draw_overlay};
 pub use panorama::draw_panorama;
 pub use top_view::draw_top_view;
 
-use jrdb_types::{Answer, EntityId};
+use jrdb_projection::BaseCloud;
+use jrdb_types::{Answer, Entity, EntityId, Image, ImageGeometry};
 
 /// A colour: red, green, blue, 0 to 255.
 pub type Color = [u8; 3];
@@ -23,6 +24,28 @@ pub(crate) const ANSWER: Color = [60, 220, 90];
 pub(crate) const WITNESS: Color = [255, 165, 30];
 /// Everyone else.
 pub(crate) const OTHER: Color = [120, 190, 255];
+
+/// One frame, as far as pictures show it.
+#[derive(Debug, Clone, Copy)]
+pub struct FrameView<'a> {
+    /// Size of the image and whether it wraps.
+    pub geometry: ImageGeometry,
+    /// The image; the ground is grey without one.
+    pub image: Option<&'a Image>,
+    /// All sweeps in the base frame, metres.
+    pub cloud: Option<&'a BaseCloud>,
+    /// People and objects.
+    pub entities: &'a [Entity],
+}
+
+/// A question and its answer, to be shown in a picture.
+#[derive(Debug, Clone, Copy)]
+pub struct Caption<'a> {
+    /// The question's words.
+    pub question: &'a str,
+    /// The answer.
+    pub answer: &'a Answer,
+}
 
 /// Which part a thing plays in an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

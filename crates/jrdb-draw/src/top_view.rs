@@ -1,12 +1,11 @@
 //! The scene from above: robot, people with their headings, range rings, relations of the answer.
 
-use jrdb_projection::{BaseCloud, Sensors};
+use jrdb_projection::BaseCloud;
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Answer, DistanceWord, Entity, EntityId, Image};
 
-use super::canvas::{Letters, text_size};
-use super::{ANSWER, BLACK, Canvas, Role, WHITE, WITNESS, witnesses};
-use crate::frame::{Asked, FrameInput, FrameOutput};
+use crate::canvas::{Letters, text_size};
+use crate::{ANSWER, BLACK, Canvas, Caption, FrameView, Role, WHITE, WITNESS, witnesses};
 
 /// Side of the picture, pixels.
 const SIDE_PX: usize = 1000;
@@ -25,23 +24,23 @@ const POINT: [u8; 3] = [84, 92, 106];
 /// change; people are circles with a tick towards their heading, objects are squares; arrows go from each selected person to
 /// the partner of its relation.
 #[must_use]
-pub fn draw_top_view(input: &FrameInput, output: &FrameOutput, asked: Option<&Asked>) -> Image {
-    let entities = &output.entities.entities;
+pub fn draw_top_view(frame: &FrameView<'_>, caption: Option<Caption<'_>>) -> Image {
+    let entities = frame.entities;
     let mut view = View::around(entities);
-    if let Ok(sensors) = Sensors::new(&input.robot.rig, input.robot.camera.as_deref()) {
-        view.points(&BaseCloud::merge(&input.clouds, &sensors, &mut Vec::new()));
+    if let Some(cloud) = frame.cloud {
+        view.points(cloud);
     }
     view.rings();
     view.robot();
-    let answer = asked.map(|asked| &asked.answer);
+    let answer = caption.map(|caption| caption.answer);
     for entity in entities {
         view.thing(entity, Role::of(&entity.id, answer));
     }
     if let Some(answer) = answer {
         view.arrows(answer, entities);
     }
-    if let Some(asked) = asked {
-        view.title(&asked.question.text);
+    if let Some(caption) = caption {
+        view.title(caption.question);
     }
     view.canvas.to_image()
 }

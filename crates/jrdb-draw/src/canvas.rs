@@ -9,7 +9,7 @@ use tiny_skia::{
     FillRule, Paint, PathBuilder, Pixmap, PixmapPaint, Rect, Stroke, StrokeDash, Transform,
 };
 
-use super::Color;
+use crate::Color;
 
 /// Size of the letters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
