@@ -54,6 +54,13 @@ pub(crate) const LAW: &[Row] = &[
         &["jrdb-types", "jrdb-graph"],
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    Row {
+        name: "jrdb-models",
+        what: "perception sources by name; catalogue, fetching and loading of models",
+        ours: &["jrdb-types", "jrdb-dataset", "jrdb-perception", "jrdb-parser", "jrdb-metrics"],
+        others: None,
+        touches_the_world: true,
+    },
     stage(
         "jrdb-draw",
         "pictures: panorama, view from above, overlay",
@@ -87,6 +94,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-parser",
             "jrdb-search",
             "jrdb-metrics",
+            "jrdb-models",
             "jrdb-draw",
             "jrdb-synth",
         ],

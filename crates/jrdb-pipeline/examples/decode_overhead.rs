@@ -11,10 +11,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use anyhow::Result;
+use jrdb_models::backbone::{Graphs, florence2};
+use jrdb_models::loader::{EngineChoice, EngineOptions, Loader};
+use jrdb_models::profile::Profile;
 use jrdb_perception::florence2::{Florence2, Task};
-use jrdb_pipeline::backbone::{Graphs, florence2};
-use jrdb_pipeline::engine::{EngineChoice, EngineOptions, Loader};
-use jrdb_pipeline::profile::Profile;
 use jrdb_synth::practice;
 
 /// Rounds over the tiles of a scene; the fastest counts, as the machine may be busy with other things.

@@ -10,9 +10,8 @@
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
-use clap::ValueEnum;
-use jrdb_pipeline::backbone::Backbone;
-use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
+use jrdb_models::backbone::Backbone;
+use jrdb_models::loader::{EngineChoice, EngineOptions};
 use jrdb_pipeline::exam::{described_table, found_table, on_panoramas, on_tiles};
 use jrdb_synth::{Practice, practice};
 use rayon::prelude::*;
@@ -54,8 +53,11 @@ impl Options {
                 [name, value] if name == "--seed" => options.seed = value.parse()?,
                 [name, value] if name == "--scenes" => options.scenes = value.parse()?,
                 [name, value] if name == "--engine" => {
-                    options.engine.choice =
-                        EngineChoice::from_str(value, true).map_err(anyhow::Error::msg)?;
+                    options.engine.choice = match value.as_str() {
+                        "rten" => EngineChoice::Rten,
+                        "ort" => EngineChoice::Ort,
+                        other => bail!("expected rten or ort after --engine, found {other:?}"),
+                    };
                 }
                 other => bail!(
                     "expected --models, --seed, --scenes or --engine and a value, found {other:?}"

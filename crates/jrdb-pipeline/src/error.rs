@@ -26,22 +26,9 @@ pub enum Error {
     /// A model failed.
     #[error(transparent)]
     Perception(#[from] jrdb_perception::PerceptionError),
-    /// An inference engine or its model failed.
-    #[error("{what}: {source}")]
-    Engine {
-        /// Which file.
-        what: String,
-        /// Why.
-        source: jrdb_perception::EngineError,
-    },
-    /// A model's folder holds another model than its name says, or a broken one.
-    #[error("{path:?}: {source}")]
-    Model {
-        /// The folder.
-        path: PathBuf,
-        /// Why.
-        source: Box<jrdb_perception::PerceptionError>,
-    },
+    /// A model or a file of detections cannot be used.
+    #[error(transparent)]
+    Models(#[from] jrdb_models::Error),
     /// A file could not be read or written.
     #[error("cannot {action} {path:?}: {source}")]
     File {
@@ -63,9 +50,6 @@ pub enum Error {
     /// A question of which nothing is understood, or notation that does not fit together.
     #[error("{0}")]
     Query(String),
-    /// A model could not be obtained or converted; says how to go on.
-    #[error("{0}")]
-    Fetch(String),
     /// A flag or a combination of flags makes no sense.
     #[error("{0}")]
     Usage(String),
@@ -91,7 +75,10 @@ impl Error {
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::File { action: "write", .. } | Self::Fetch(_) => 1,
+            Self::File { action: "write", .. }
+            | Self::Models(jrdb_models::Error::Fetch { .. } | jrdb_models::Error::Write { .. }) => {
+                1
+            }
             _ => 2,
         }
     }

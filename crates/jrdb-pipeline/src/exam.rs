@@ -3,12 +3,12 @@
 use std::fmt::Write as _;
 
 use jrdb_metrics::coco::{Area, Config, Dataset, DetectionBox, GroundTruthBox, evaluate};
+use jrdb_models::backbone::Opened;
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Attributes, Detection, FrameId, PixelBox};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::backbone::Opened;
 use jrdb_synth::{Practice, Seen, TILE_PX};
 
 /// People of whom less is seen, or who are narrower, need not be found.

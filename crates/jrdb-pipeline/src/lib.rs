@@ -1,17 +1,12 @@
 #![doc = include_str!("../README.md")]
 
-pub mod backbone;
 mod baseline;
 pub mod calib;
-pub mod engine;
 pub mod exam;
 pub mod frame;
-pub mod light;
-pub mod models;
 pub mod motion;
 pub mod output;
 pub mod perceive;
-pub mod profile;
 pub mod query;
 mod recording;
 pub mod report;

@@ -13,6 +13,9 @@ fn main() -> ExitCode {
         Err(error) => {
             eprintln!("error: {}", jrdb_pipeline::with_causes(error.as_ref()));
             let known = error.downcast_ref::<jrdb_pipeline::Error>();
+            for hint in known.into_iter().flat_map(cli::hints) {
+                eprintln!("hint: {hint}");
+            }
             ExitCode::from(known.map_or(1, jrdb_pipeline::Error::exit_code))
         }
     }

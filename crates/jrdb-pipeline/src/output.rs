@@ -104,12 +104,7 @@ impl Writer {
         })
     }
 
-    fn question(
-        &self,
-        folder: &Path,
-        view: &FrameView<'_>,
-        asked: &Asked,
-    ) -> Result<(), Error> {
+    fn question(&self, folder: &Path, view: &FrameView<'_>, asked: &Asked) -> Result<(), Error> {
         if self.with_artifacts {
             let config = json!(self.config.parser);
             write_artefact(&folder.join("query.json"), config, &asked.query)?;

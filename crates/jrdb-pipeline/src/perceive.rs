@@ -5,6 +5,9 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use jrdb_dataset::SequenceLabels;
+use jrdb_models::backbone::{self, Backbone, Opened};
+use jrdb_models::light::{self, Demographics, SSDLITE_FILE};
+use jrdb_models::loader::{EngineOptions, open_engine};
 use jrdb_perception::exchange::{Exchange, play};
 use jrdb_perception::{AttributeModel, Detector, SsdLite, SsdLiteConfig};
 use jrdb_types::detection::PERSON;
@@ -13,14 +16,8 @@ use jrdb_types::{Attributes, Detection, Detections, Image, Issue};
 use rayon::prelude::*;
 
 use crate::Error;
-use crate::backbone::{self, Backbone, Opened};
-use crate::engine::{EngineOptions, open_engine};
 use crate::error::with_causes;
-use crate::light::Demographics;
 use crate::source::{FrameSource, without_root};
-
-/// The file of the SSDLite person detector in the models folder.
-pub const SSDLITE_FILE: &str = "ssdlite-mbv2-300-person.f16.onnx";
 
 /// Where detections come from.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -140,7 +137,8 @@ impl Perceiver {
     fn replay(path: &Path) -> Result<Self, Error> {
         let text =
             std::fs::read_to_string(path).map_err(|source| Error::file("read", path, source))?;
-        let refused = |source| Error::Model { path: path.into(), source: Box::new(source) };
+        let refused =
+            |source| jrdb_models::Error::Model { path: path.into(), source: Box::new(source) };
         let kind = Kind::Replay(Exchange::read_lines(&text).map_err(refused)?);
         let config = serde_json::json!({ "perception": "replay" });
         Ok(Self { kind, config, notes: Vec::new() })
@@ -166,7 +164,7 @@ impl Perceiver {
         options: &EngineOptions,
         demographics: Demographics,
     ) -> Result<Self, Error> {
-        Ok(Self::opened(crate::light::open(models, options, demographics)?))
+        Ok(Self::opened(light::open(models, options, demographics)?))
     }
 
     /// Whether an id is the same person or object in every frame of a sequence.

@@ -4,11 +4,11 @@ use std::ops::Range;
 use std::path::PathBuf;
 
 use jrdb_metrics::{MetricsConfig, Outcome};
+use jrdb_models::loader::EngineOptions;
 use jrdb_types::{FrameId, Question, Questions, Scores};
 use rayon::prelude::*;
 
 use crate::baseline;
-use crate::engine::EngineOptions;
 use crate::frame::{Asked, place};
 use crate::motion::{self, Motions, Places};
 use crate::output::{Layout, Writer};

@@ -4,10 +4,10 @@
 
 use std::path::{Path, PathBuf};
 
+use jrdb_models::backbone::{AttributeFiles, Backbone, Graphs, florence2};
+use jrdb_models::loader::{EngineChoice, EngineOptions, Loader};
 use jrdb_perception::florence2::Task;
 use jrdb_perception::vlm::{Topic, questions};
-use jrdb_pipeline::backbone::{AttributeFiles, Backbone, Graphs, florence2};
-use jrdb_pipeline::engine::{EngineChoice, EngineOptions, Loader};
 use jrdb_pipeline::exam::{described_table, found_table, on_panoramas, on_tiles};
 use jrdb_synth::{Practice, practice};
 use rayon::prelude::*;
@@ -79,7 +79,7 @@ fn the_describer_says_what_the_training_framework_says() {
     let backbone = Backbone::named("demo", &models()).unwrap();
     let Some(AttributeFiles::Internvl { graphs, .. }) = &backbone.attributes else { panic!() };
     for loader in loaders() {
-        let (vlm, family) = jrdb_pipeline::backbone::internvl(graphs, &models(), &loader).unwrap();
+        let (vlm, family) = jrdb_models::backbone::internvl(graphs, &models(), &loader).unwrap();
         let answers = |(picture, expected): (&jrdb_types::Image, &Value)| {
             let shown = family.show(&vlm, picture).unwrap();
             let said = questions(&Topic::ALL).into_iter().map(|question| {

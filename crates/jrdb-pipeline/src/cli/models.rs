@@ -6,18 +6,20 @@ use std::time::Instant;
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
+use jrdb_models::catalogue::{Manifest, Model, State};
+use jrdb_models::fetch::{FetchOptions, Outcome, fetch};
+use jrdb_models::light::{self, Demographics};
+use jrdb_models::loader::EngineOptions;
+use jrdb_models::quality::{Frame, quality};
+use jrdb_models::trial;
 use jrdb_perception::{Detector, PairConfig};
-use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
-use jrdb_pipeline::light::Demographics;
-use jrdb_pipeline::models::quality::{Frame, quality};
-use jrdb_pipeline::models::{FetchOptions, Manifest, Model, Outcome, State, fetch, trial};
 use jrdb_pipeline::perceive::{Perceiver, PerceptionSource};
 use jrdb_pipeline::source::list_frames;
-use jrdb_pipeline::{Error, light, with_causes};
+use jrdb_pipeline::{Error, with_causes};
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, PixelBox};
 
-use super::run::SourceArgs;
+use super::run::{EngineArg, SourceArgs};
 use super::say;
 
 #[derive(Debug, Args)]
@@ -69,7 +71,7 @@ struct CheckArgs {
     truth: Option<PathBuf>,
     /// Which engine runs models
     #[arg(long, value_enum, default_value_t)]
-    engine: EngineChoice,
+    engine: EngineArg,
     /// ONNX Runtime's shared library
     #[arg(long, value_name = "PATH")]
     onnxruntime: Option<PathBuf>,
@@ -78,7 +80,7 @@ struct CheckArgs {
 impl CheckArgs {
     fn engine(&self) -> EngineOptions {
         let (library, models) = (self.onnxruntime.clone(), self.folder.models.clone());
-        EngineOptions { choice: self.engine, library, profile: None, models }
+        EngineOptions { choice: self.engine.into(), library, profile: None, models }
     }
 }
 
@@ -91,8 +93,8 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode> {
 }
 
 fn list(folder: &Folder) -> Result<ExitCode> {
-    for model in &Manifest::built_in()?.models {
-        let state = match model.state(&folder.models)? {
+    for model in &Manifest::built_in().map_err(Error::from)?.models {
+        let state = match model.state(&folder.models).map_err(Error::from)? {
             State::AsListed => "there",
             State::Other => "other bytes",
             State::Missing => "missing",
@@ -114,7 +116,7 @@ fn fetch_models(args: &FetchArgs) -> Result<ExitCode> {
         from: args.from.clone(),
         python: args.python.clone(),
     };
-    let outcomes = fetch(&options, &mut |text| eprint!("{text}"))?;
+    let outcomes = fetch(&options, &mut |text| eprint!("{text}")).map_err(Error::from)?;
     for (name, outcome) in outcomes {
         let what = match outcome {
             Outcome::WasThere => "was there",
@@ -133,7 +135,12 @@ fn check(args: &CheckArgs) -> Result<ExitCode> {
         return check_on_frames(args);
     }
     let mut failed = false;
-    for model in Manifest::built_in()?.models.iter().filter(|model| !model.inputs.is_empty()) {
+    for model in Manifest::built_in()
+        .map_err(Error::from)?
+        .models
+        .iter()
+        .filter(|model| !model.inputs.is_empty())
+    {
         failed |= !try_model(model, args)?;
     }
     if let Some(peak_mb) = trial::peak_memory_mb() {
@@ -145,7 +152,7 @@ fn check(args: &CheckArgs) -> Result<ExitCode> {
 /// Loads and runs a model; whether that went well.
 fn try_model(model: &Model, args: &CheckArgs) -> Result<bool> {
     let name = &model.name;
-    if model.state(&args.folder.models)? == State::Missing {
+    if model.state(&args.folder.models).map_err(Error::from)? == State::Missing {
         say(&format!("{name:<12} missing: jrdb models fetch {name}\n"))?;
         return Ok(false);
     }
@@ -169,7 +176,7 @@ fn check_on_frames(args: &CheckArgs) -> Result<ExitCode> {
     let truth = args.truth.clone().map_or(PerceptionSource::Labels, PerceptionSource::File);
     let truth = Perceiver::open(&truth, &sources, models, &engine)?;
     let every = PairConfig { min_score: 0.0, ..PairConfig::default() };
-    let (every, note) = light::detector(models, &engine, every)?;
+    let (every, note) = light::detector(models, &engine, every).map_err(Error::from)?;
     let usual =
         Perceiver::open(&PerceptionSource::Light(Demographics::None), &sources, models, &engine)?;
     eprintln!("{note}");

@@ -7,10 +7,10 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
-use jrdb_pipeline::engine::{EngineChoice, EngineOptions};
-use jrdb_pipeline::light::Demographics;
+use jrdb_models::light::Demographics;
+use jrdb_models::loader::{EngineChoice, EngineOptions};
+use jrdb_models::profile::Profile;
 use jrdb_pipeline::perceive::PerceptionSource;
-use jrdb_pipeline::profile::Profile;
 use jrdb_pipeline::report::{Detail, Telling};
 use jrdb_pipeline::source::{RigChoice, RobotOptions, Source};
 use jrdb_pipeline::{Error, PipelineConfig, RunOptions, read_query, report, with_causes};
@@ -100,13 +100,13 @@ pub(crate) struct PerceptionArgs {
     perception: PerceptionSource,
     /// What light guesses from faces; the bare flag means gender
     #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
-    demographics: Demographics,
+    demographics: DemographicsArg,
     /// Folder with model files
     #[arg(long, default_value = "models", value_name = "DIR")]
     pub(crate) models: PathBuf,
     /// Which engine runs models
     #[arg(long, value_enum, default_value_t)]
-    engine: EngineChoice,
+    engine: EngineArg,
     /// ONNX Runtime's shared library
     #[arg(long, value_name = "PATH")]
     onnxruntime: Option<PathBuf>,
@@ -118,7 +118,7 @@ pub(crate) struct PerceptionArgs {
 impl PerceptionArgs {
     pub(crate) fn source(&self) -> PerceptionSource {
         match &self.perception {
-            PerceptionSource::Light(_) => PerceptionSource::Light(self.demographics),
+            PerceptionSource::Light(_) => PerceptionSource::Light(self.demographics.into()),
             other => other.clone(),
         }
     }
@@ -126,7 +126,54 @@ impl PerceptionArgs {
     pub(crate) fn engine(&self) -> EngineOptions {
         let (library, models) = (self.onnxruntime.clone(), self.models.clone());
         let profile = self.profile.then(Profile::default);
-        EngineOptions { choice: self.engine, library, profile, models }
+        EngineOptions { choice: self.engine.into(), library, profile, models }
+    }
+}
+
+/// Which engine runs models.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(crate) enum EngineArg {
+    /// ONNX Runtime where its library is found, else rten
+    #[default]
+    Auto,
+    /// Pure Rust, on the CPU
+    Rten,
+    /// ONNX Runtime
+    Ort,
+}
+
+impl From<EngineArg> for EngineChoice {
+    fn from(engine: EngineArg) -> Self {
+        match engine {
+            EngineArg::Auto => Self::Auto,
+            EngineArg::Rten => Self::Rten,
+            EngineArg::Ort => Self::Ort,
+        }
+    }
+}
+
+/// What `light` guesses from faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum DemographicsArg {
+    /// Gender where a question needs it, else none
+    #[default]
+    Auto,
+    /// None
+    None,
+    /// Gender
+    Gender,
+    /// Gender and age; age is unreliable
+    All,
+}
+
+impl From<DemographicsArg> for Demographics {
+    fn from(wanted: DemographicsArg) -> Self {
+        match wanted {
+            DemographicsArg::Auto => Self::Auto,
+            DemographicsArg::None => Self::None,
+            DemographicsArg::Gender => Self::Gender,
+            DemographicsArg::All => Self::All,
+        }
     }
 }
 

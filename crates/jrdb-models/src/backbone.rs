@@ -21,7 +21,7 @@ use jrdb_perception::{AttributeModel, Detector, Engine, PerceptionError};
 use serde::Deserialize;
 
 use crate::Error;
-use crate::engine::{EngineOptions, Loader};
+use crate::loader::{EngineOptions, Loader};
 
 /// Backbones that need no file of their own, only their models.
 const BUILT_IN: [(&str, &str); 3] = [
@@ -129,13 +129,11 @@ impl Backbone {
             (Ok(text), _) => text,
             (Err(_), Some((_, text))) => (*text).into(),
             (Err(source), None) => {
-                return Err(Error::Usage(format!(
-                    "expected a backbone {path:?} or one of {}, found none called {name:?}: {source}",
-                    self::built_in().join(", ")
-                )));
+                let known = self::built_in();
+                return Err(Error::UnknownBackbone { name: name.into(), path, known, source });
             }
         };
-        let wrong = |error| Error::Usage(format!("expected a backbone in {path:?}: {error}"));
+        let wrong = |source| Error::Backbone { path: path.clone(), source };
         serde_json::from_str(&text).map_err(wrong)
     }
 
@@ -220,7 +218,7 @@ impl Folder {
 
     fn text(&self, file: &str) -> Result<String, Error> {
         let path = self.path.join(file);
-        std::fs::read_to_string(&path).map_err(|source| Error::file("read", &path, source))
+        std::fs::read_to_string(&path).map_err(Error::read(&path))
     }
 
     /// A graph's file: in `onnx/`, or in the folder itself.
@@ -228,7 +226,7 @@ impl Folder {
         let file = format!("{name}{}.onnx", self.variant);
         let places = [self.path.join("onnx").join(&file), self.path.join(&file)];
         let found = places.iter().find(|path| path.is_file()).cloned();
-        found.ok_or_else(|| Error::file("read", &places[0], std::io::ErrorKind::NotFound.into()))
+        found.ok_or_else(|| Error::read(&places[0])(std::io::ErrorKind::NotFound.into()))
     }
 
     fn open(&self, name: &str, loader: &Loader) -> Result<Box<dyn Engine>, Error> {

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use jrdb_perception::Tensor;
 
-use super::Model;
 use crate::Error;
-use crate::engine::{EngineOptions, open_engine};
+use crate::catalogue::Model;
+use crate::loader::{EngineOptions, open_engine};
 
 /// Runs whose best time counts.
 const RUNS: usize = 3;
@@ -29,7 +29,7 @@ pub struct Trial {
 /// When it cannot be read, loaded or run.
 pub fn run(model: &Model, folder: &Path, options: &EngineOptions) -> Result<Trial, Error> {
     let path = folder.join(&model.file);
-    let bytes = std::fs::read(&path).map_err(|error| Error::file("read", &path, error))?;
+    let bytes = std::fs::read(&path).map_err(Error::read(&path))?;
     let (engine, note) = open_engine(&bytes, &path, options)?;
     let inputs: Vec<(&str, Tensor)> =
         model.inputs.iter().map(|i| (i.name.as_str(), numbers(&i.shape))).collect();

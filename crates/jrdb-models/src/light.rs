@@ -10,9 +10,10 @@ use jrdb_types::Query;
 
 use crate::Error;
 use crate::backbone::Opened;
-use crate::engine::{EngineOptions, open_engine};
-use crate::perceive::SSDLITE_FILE;
+use crate::loader::{EngineOptions, open_engine};
 
+/// The file of the SSDLite person detector in the models folder.
+pub const SSDLITE_FILE: &str = "ssdlite-mbv2-300-person.f16.onnx";
 /// The file of the NanoDet detector of people and objects in the models folder.
 pub const NANODET_FILE: &str = "nanodet-g-416-coco.f16.onnx";
 
@@ -27,16 +28,16 @@ pub const GENDER_FILE: &str = "gender-v1.onnx";
 pub const AGE_FILE: &str = "age-v1.onnx";
 
 /// Which demographic attributes are guessed from faces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Demographics {
-    /// Gender where a question needs it, else none
+    /// Gender where a question needs it, else none.
     #[default]
     Auto,
-    /// None
+    /// None.
     None,
-    /// Gender
+    /// Gender.
     Gender,
-    /// Gender and age; age is unreliable
+    /// Gender and age; age is unreliable.
     All,
 }
 
@@ -129,7 +130,7 @@ pub(crate) fn load(
     engine: &EngineOptions,
 ) -> Result<(Box<dyn Engine>, String), Error> {
     let path = models.join(file);
-    let bytes = std::fs::read(&path).map_err(|source| Error::file("read", &path, source))?;
+    let bytes = std::fs::read(&path).map_err(Error::read(&path))?;
     open_engine(&bytes, &path, engine)
 }
 

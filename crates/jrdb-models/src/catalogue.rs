@@ -7,16 +7,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-mod digest;
-mod fetch;
-mod python;
-pub mod quality;
-pub mod trial;
-
-pub use digest::sha256_hex;
-pub use fetch::{FetchOptions, Outcome, fetch};
-
 use crate::Error;
+use crate::digest::sha256_hex;
 
 /// All that is known of model files.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
@@ -158,22 +150,21 @@ impl Manifest {
     /// # Errors
     /// When it is malformed, which a test rules out.
     pub fn built_in() -> Result<Self, Error> {
-        let bad =
-            |error| Error::Usage(format!("the built-in models manifest is malformed: {error}"));
+        let bad = |error: serde_json::Error| Error::Catalogue(error.to_string());
         serde_json::from_str(include_str!("manifest.json")).map_err(bad)
     }
 
     /// The models of these names, or all that this system can use where none is named.
     ///
     /// # Errors
-    /// [`Error::Usage`] for a name that is not known.
+    /// [`Error::UnknownModel`] for a name that is not known.
     pub fn chosen(&self, names: &[String]) -> Result<Vec<&Model>, Error> {
         if names.is_empty() {
             return Ok(self.models.iter().filter(|model| model.is_for_this_system()).collect());
         }
         let find = |name: &String| {
-            let known: Vec<&str> = self.models.iter().map(|m| m.name.as_str()).collect();
-            let unknown = || Error::Usage(format!("expected one of {known:?}, found {name:?}"));
+            let known = || self.models.iter().map(|model| model.name.clone()).collect();
+            let unknown = || Error::UnknownModel { name: name.clone(), known: known() };
             self.models.iter().find(|model| model.name == *name).ok_or_else(unknown)
         };
         names.iter().map(find).collect()
@@ -184,8 +175,7 @@ impl Manifest {
     /// # Errors
     /// When the manifest has none, which a test rules out.
     pub fn package(&self, model: &Model) -> Result<&Package, Error> {
-        let missing =
-            || Error::Usage(format!("the models manifest has no package {:?}", model.package));
+        let missing = || Error::Catalogue(format!("it has no package {:?}", model.package));
         self.packages.iter().find(|package| package.id == model.package).ok_or_else(missing)
     }
 }
@@ -216,7 +206,7 @@ impl Model {
             Ok(bytes) if sha256_hex(&bytes) == self.sha256 => Ok(State::AsListed),
             Ok(_) => Ok(State::Other),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(State::Missing),
-            Err(error) => Err(Error::file("read", &path, error)),
+            Err(error) => Err(Error::read(&path)(error)),
         }
     }
 }
@@ -247,7 +237,7 @@ mod tests {
                 model.file.is_relative() && model.inputs.is_empty() == model.outputs.is_empty()
             );
         }
-        let files = [crate::perceive::SSDLITE_FILE, crate::light::NANODET_FILE];
+        let files = [crate::light::SSDLITE_FILE, crate::light::NANODET_FILE];
         for file in files {
             assert!(manifest.models.iter().any(|model| model.file == Path::new(file)), "{file}");
         }

