@@ -138,7 +138,7 @@ def backbone(models, name, detector, kind, folder):
 
 def run(models, name, *engine):
     """`jrdb run` on a drawn scene: random weights find people and say something of them."""
-    command = ["cargo", "run", "-q", "-p", "jrdb-pipeline", "--bin", "jrdb", "--", "run", "--scene", "testdata/scenes/plaza",
+    command = ["cargo", "run", "-q", "-p", "jrdb", "--bin", "jrdb", "--", "run", "--scene", "testdata/scenes/plaza",
                "--perception", name, "--models", models, "--profile", *engine]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 0, f"{name}: {done.stdout}{done.stderr}"

@@ -14,6 +14,18 @@ pub(crate) struct Row {
     pub(crate) touches_the_world: bool,
 }
 
+impl Row {
+    /// The folder of the crate, from the workspace's root.
+    pub(crate) fn folder(&self) -> String {
+        match self.name {
+            "xtask" => "xtask".into(),
+            // Cargo names what it installs after the package.
+            "jrdb" => "crates/jrdb-cli".into(),
+            name => format!("crates/{name}"),
+        }
+    }
+}
+
 /// A stage: pure, and knowing only the types, whatever maths or formats it uses inside.
 const fn stage(name: &'static str, what: &'static str, ours: &'static [&'static str]) -> Row {
     Row { name, what, ours, others: None, touches_the_world: false }
@@ -54,6 +66,20 @@ pub(crate) const LAW: &[Row] = &[
         &["jrdb-types", "jrdb-graph"],
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    stage(
+        "jrdb-pipeline",
+        "what people embed: a frame in, a scene that answers questions out",
+        &[
+            "jrdb-types",
+            "jrdb-perception",
+            "jrdb-projection",
+            "jrdb-calibration",
+            "jrdb-graph",
+            "jrdb-parser",
+            "jrdb-search",
+            "jrdb-metrics",
+        ],
+    ),
     Row {
         name: "jrdb-models",
         what: "perception sources by name; catalogue, fetching and loading of models",
@@ -82,8 +108,8 @@ pub(crate) const LAW: &[Row] = &[
         touches_the_world: true,
     },
     Row {
-        name: "jrdb-pipeline",
-        what: "composition: library and the `jrdb` command",
+        name: "jrdb",
+        what: "the command: flags, runs over datasets, output layout, reports",
         ours: &[
             "jrdb-types",
             "jrdb-dataset",
@@ -94,6 +120,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-parser",
             "jrdb-search",
             "jrdb-metrics",
+            "jrdb-pipeline",
             "jrdb-models",
             "jrdb-draw",
             "jrdb-synth",

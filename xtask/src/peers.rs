@@ -229,7 +229,7 @@ impl Session {
 
     fn our(&self, example: &str) -> Result<Ours> {
         let mut command = cargo();
-        command.args(["run", "--quiet", "--release", "--package", "jrdb-pipeline"]);
+        command.args(["run", "--quiet", "--release", "--package", "jrdb"]);
         command.args(["--example", example, "--"]).arg(self.data()).current_dir(root());
         let output = command.stderr(Stdio::inherit()).output();
         let output = output.with_context(|| format!("cannot start {command:?}"))?;

@@ -68,7 +68,7 @@ pub(crate) fn scenes() -> Result<()> {
 fn jrdb() -> Command {
     let mut command = cargo();
     command.args(["run", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
-    command.args(["--package", "jrdb-pipeline", "--bin", "jrdb", "--"]);
+    command.args(["--package", "jrdb", "--bin", "jrdb", "--"]);
     command
 }
 
@@ -83,6 +83,6 @@ fn bundled() -> Result<Vec<PathBuf>> {
 
 fn snapshots(update: &str) -> Result<()> {
     let mut command = cargo();
-    command.args(["test", "--quiet", "--package", "jrdb-pipeline", "--test", "snapshots"]);
+    command.args(["test", "--quiet", "--package", "jrdb", "--test", "snapshots"]);
     run(command.env("INSTA_UPDATE", update).env("RUST_BACKTRACE", "0"))
 }

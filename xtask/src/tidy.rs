@@ -30,11 +30,7 @@ pub(crate) fn tidy() -> Result<()> {
     let mut faults = dependency_faults()?;
     faults.extend(table_fault()?);
     for row in LAW {
-        let folder = if row.name == "xtask" {
-            root().join("xtask")
-        } else {
-            root().join("crates").join(row.name)
-        };
+        let folder = root().join(row.folder());
         faults.extend(page_faults(row, &folder)?);
         for file in rust_files(&folder.join("src"))? {
             faults.extend(source_faults(row, &file)?);

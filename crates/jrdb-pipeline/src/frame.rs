@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::Error;
 use crate::motion::Motions;
 use crate::query::{read_or_report, speaks_of_time};
-use crate::source::Robot;
+use crate::robot::Robot;
 
 /// Configuration of every stage behind perception.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -1,21 +1,13 @@
 #![doc = include_str!("../README.md")]
 
-mod baseline;
-pub mod calib;
-pub mod exam;
 pub mod frame;
 pub mod motion;
-pub mod output;
-pub mod perceive;
 pub mod query;
-mod recording;
-pub mod report;
-pub mod run;
-pub mod source;
+pub mod robot;
 
 mod error;
 
 pub use error::{Error, with_causes};
 pub use frame::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
 pub use query::read_query;
-pub use run::{RunOptions, RunResult, run};
+pub use robot::Robot;

