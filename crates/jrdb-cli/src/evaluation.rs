@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use jrdb_metrics::coco::{Area, Config, Dataset, DetectionBox, GroundTruthBox, evaluate};
-use jrdb_models::backbone::Opened;
+use jrdb_perception::Models;
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Attributes, Detection, FrameId, PixelBox};
 use rayon::prelude::*;
@@ -93,7 +93,7 @@ impl Truth {
 ///
 /// # Errors
 /// When a model fails.
-pub fn on_tiles(scenes: &[Practice], models: &Opened) -> Result<Both<Finding>, Error> {
+pub fn on_tiles(scenes: &[Practice], models: &Models) -> Result<Both<Finding>, Error> {
     let cut = |scene: &Practice| {
         let mut scene = scene.clone();
         let starts = scene.tiles();
@@ -124,7 +124,7 @@ pub fn on_tiles(scenes: &[Practice], models: &Opened) -> Result<Both<Finding>, E
 /// When a model fails.
 pub fn on_panoramas(
     scenes: &[Practice],
-    models: &Opened,
+    models: &Models,
 ) -> Result<(Both<Finding>, Both<Describing>), Error> {
     let looks: Vec<_> = scenes
         .par_iter()

@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     match commands::dispatch(commands::Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
-            eprintln!("error: {}", jrdb_pipeline::with_causes(error.as_ref()));
+            eprintln!("error: {}", jrdb_types::with_causes(error.as_ref()));
             let known = error.downcast_ref::<jrdb_cli::Error>();
             for hint in known.into_iter().flat_map(commands::hints) {
                 eprintln!("hint: {hint}");

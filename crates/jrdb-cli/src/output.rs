@@ -1,18 +1,18 @@
 //! What a run leaves in its `--out` folder.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use jrdb_dataset::PngCompression;
 use jrdb_draw::{Caption, FrameView, draw_panorama, draw_top_view};
-use jrdb_projection::{BaseCloud, Sensors};
+use jrdb_pipeline::PipelineConfig;
 use jrdb_types::{Artefact, FrameId, Image, Payload, Scores};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Error;
-use crate::perceive::Perceiver;
-use crate::run::RunOptions;
-use jrdb_pipeline::{Asked, FrameInput, FrameOutput, PipelineConfig};
+use crate::questions::Answered;
+use crate::run::FrameOutput;
 
 /// How the output folder is divided: one level per sequence, frame and question, each left out where
 /// there is only one.
@@ -47,22 +47,24 @@ impl Layout {
 pub struct Writer {
     root: PathBuf,
     layout: Layout,
-    with_artifacts: bool,
-    config: PipelineConfig,
-    perception: Value,
+    config: Arc<PipelineConfig>,
+    written: Written,
+}
+
+/// What is written of a frame.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Written {
+    /// Answers and pictures.
+    Answers,
+    /// Every stage's artefact, too; the value is perception's configuration.
+    Artefacts(Value),
 }
 
 impl Writer {
     /// A writer below `root`.
     #[must_use]
-    pub fn new(root: &Path, layout: Layout, options: &RunOptions, perceiver: &Perceiver) -> Self {
-        Self {
-            root: root.into(),
-            layout,
-            with_artifacts: options.artifacts,
-            config: options.config.clone(),
-            perception: perceiver.config().clone(),
-        }
+    pub fn new(root: &Path, layout: Layout, config: Arc<PipelineConfig>, written: Written) -> Self {
+        Self { root: root.into(), layout, config, written }
     }
 
     /// Writes what one frame came to: `answer.json`, `panorama.png` and `top_view.png` per question, and
@@ -70,57 +72,54 @@ impl Writer {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn frame(&self, input: &FrameInput, output: &FrameOutput) -> Result<(), Error> {
-        let folder = self.layout.frame(&self.root, &output.detections.frame);
-        if self.with_artifacts {
-            let stage = json!(self.config.projection);
-            write_artefact(
-                &folder.join("detections.json"),
-                self.perception.clone(),
-                &output.detections,
-            )?;
-            write_artefact(&folder.join("entities.json"), stage, &output.entities)?;
-            write_artefact(
-                &folder.join("scene_graph.json"),
-                json!(self.config.graph),
-                &output.graph,
-            )?;
+    pub fn frame(&self, output: &FrameOutput) -> Result<(), Error> {
+        let scene = &output.scene;
+        let folder = self.layout.frame(&self.root, scene.id());
+        if let Written::Artefacts(perception) = &self.written {
+            let (projection, graph) = (json!(self.config.projection), json!(self.config.graph));
+            let file = |name: &str| folder.join(name);
+            write_artefact(&file("detections.json"), perception.clone(), scene.detections())?;
+            write_artefact(&file("entities.json"), projection, scene.entities())?;
+            write_artefact(&file("scene_graph.json"), graph, scene.graph())?;
         }
-        let sensors = Sensors::new(&input.robot.rig, input.robot.camera.as_deref()).ok();
-        let cloud = sensors.map(|s| BaseCloud::merge(&input.clouds, &s, &mut Vec::new()));
         let view = FrameView {
-            geometry: input.detections.image,
-            image: input.image.as_ref(),
-            cloud: cloud.as_ref(),
-            entities: &output.entities.entities,
+            geometry: scene.detections().image,
+            image: scene.image(),
+            cloud: Some(scene.cloud()),
+            entities: &scene.entities().entities,
         };
-        if output.asked.is_empty() {
+        if output.answered.is_empty() {
             pictures(&folder, &view, None)?;
         }
         // Pictures take most of the time of a run, and each stands alone.
-        output.asked.par_iter().enumerate().try_for_each(|(index, asked)| {
+        output.answered.par_iter().enumerate().try_for_each(|(index, answered)| {
             let folder = self.layout.question(&folder, index + 1);
-            self.question(&folder, &view, asked)
+            self.question(&folder, &view, answered)
         })
     }
 
-    fn question(&self, folder: &Path, view: &FrameView<'_>, asked: &Asked) -> Result<(), Error> {
-        if self.with_artifacts {
+    fn question(
+        &self,
+        folder: &Path,
+        view: &FrameView<'_>,
+        answered: &Answered,
+    ) -> Result<(), Error> {
+        let (question, answer) = (&answered.question.text, &answered.answer);
+        if matches!(self.written, Written::Artefacts(_)) {
             let config = json!(self.config.parser);
-            write_artefact(&folder.join("query.json"), config, &asked.query)?;
+            write_artefact(&folder.join("query.json"), config, &*answered.query)?;
         }
-        write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
-        let caption = Caption { question: &asked.question.text, answer: &asked.answer };
-        pictures(folder, view, Some(caption))
+        write_artefact(&folder.join("answer.json"), json!(self.config.search), answer)?;
+        pictures(folder, view, Some(Caption { question, answer }))
     }
 
     /// Writes the answer to a question about a recording: `recording_01.json` and so on.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn recording(&self, index: usize, asked: &Asked) -> Result<(), Error> {
+    pub fn recording(&self, index: usize, answered: &Answered) -> Result<(), Error> {
         let path = self.root.join(format!("recording_{:02}.json", index + 1));
-        write_artefact(&path, json!(self.config.search), &asked.answer)
+        write_artefact(&path, json!(self.config.search), &answered.answer)
     }
 
     /// Writes `scores.json`.

@@ -2,13 +2,16 @@
 
 use std::fmt::Write as _;
 
+use jrdb_pipeline::PipelineConfig;
 use jrdb_types::answer::{CandidateTrace, Change, Check, Effect, Reply, Told, Unit};
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Answer, Artefact, EntityId, Issue, Query, Scores, Span, Task};
+use jrdb_types::{
+    Answer, Artefact, EntityId, FrameId, Issue, Query, Scores, Span, Task, with_causes,
+};
 use serde_json::{Value, json};
 
-use crate::run::RunResult;
-use jrdb_pipeline::{Asked, FrameOutput, PipelineConfig, with_causes};
+use crate::questions::Answered;
+use crate::run::{FrameOutput, FrameResult, RunSummary};
 
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;
@@ -32,63 +35,73 @@ pub struct Telling {
     pub why_not: Option<EntityId>,
 }
 
-/// The result as text: per frame what was found, per question the answer, the truth and why.
+/// One frame as text: what was found, and per question the answer, the truth and why.
 #[must_use]
-pub fn text(result: &RunResult, telling: &Telling) -> String {
+pub fn frame(result: &FrameResult, telling: &Telling) -> String {
     let mut text = String::new();
-    for note in &result.notes {
-        line(&mut text, note);
-    }
-    let mut scores = result.scores.iter().flat_map(|scores| &scores.questions);
-    for frame in &result.frames {
-        match &frame.output {
-            Ok(output) => frame_text(&mut text, output, telling, &mut scores),
-            Err(error) => {
-                line(&mut text, &format!("{}\n  failed: {}\n", frame.id, with_causes(error)));
-            }
+    match &result.output {
+        Ok(output) => frame_text(&mut text, output, telling),
+        Err(error) => {
+            line(&mut text, &format!("{}\n  failed: {}\n", result.id, with_causes(error)));
         }
     }
-    for asked in &result.recordings {
-        line(&mut text, &format!("{}, all frames", asked.answer.frame.sequence));
-        asked_text(&mut text, asked, telling);
-        if asked.question.truth.is_some()
-            && let Some(score) = scores.next()
-        {
-            truth_text(&mut text, asked, score);
-        }
+    text
+}
+
+/// What comes after the frames, as text: questions about time, and scores.
+#[must_use]
+pub fn summary(summary: &RunSummary, telling: &Telling) -> String {
+    let mut text = String::new();
+    for answered in &summary.recordings {
+        line(&mut text, &format!("{}, all frames", answered.answer.frame.sequence));
+        answered_text(&mut text, answered, telling);
         text.push('\n');
     }
-    if result.unasked > 0 {
-        line(&mut text, &format!("{} questions are about frames outside this run", result.unasked));
+    if summary.unasked > 0 {
+        let unasked = summary.unasked;
+        line(&mut text, &format!("{unasked} questions are about frames outside this run"));
     }
-    if let Some(scores) = &result.scores {
+    if let Some(scores) = &summary.scores {
         text.push_str(&scores_text(scores));
     }
     text
 }
 
-/// The result as one JSON document: `{"answers": [..], "failures": [..], "scores": ..}`, answers and
-/// scores as artefacts.
-#[must_use]
-pub fn json(result: &RunResult, config: &PipelineConfig) -> String {
-    let outputs = result.frames.iter().filter_map(|frame| frame.output.as_ref().ok());
-    let answers = outputs
-        .flat_map(|output| &output.asked)
-        .chain(&result.recordings)
-        .map(|asked| json!(Artefact::new(json!(config.search), asked.answer.clone())));
-    let failures = result.frames.iter().filter_map(|frame| {
-        let error = frame.output.as_ref().err()?;
-        Some(json!({ "frame": frame.id, "error": with_causes(error) }))
-    });
-    let scores = result.scores.clone().map(|s| json!(Artefact::new(json!(config.metrics), s)));
-    let document = json!({
-        "answers": answers.collect::<Vec<Value>>(),
-        "failures": failures.collect::<Vec<Value>>(),
-        "scores": scores,
-    });
-    let mut text = serde_json::to_string_pretty(&document).unwrap_or_default();
-    text.push('\n');
-    text
+/// One JSON document, `{"answers": [..], "failures": [..], "scores": ..}`, printed while the run goes on: answers and scores
+/// are artefacts.
+#[derive(Debug, Default)]
+pub struct JsonReport {
+    answers: usize,
+}
+
+impl JsonReport {
+    /// What an answer adds to the document.
+    #[must_use]
+    pub fn answer(&mut self, answer: &Answer, config: &PipelineConfig) -> String {
+        let artefact = Artefact::new(json!(config.search), answer.clone());
+        let before = if self.answers == 0 { "{\n  \"answers\": [\n    " } else { ",\n    " };
+        self.answers += 1;
+        format!("{before}{}", pretty(&json!(artefact), "    "))
+    }
+
+    /// The rest of the document.
+    #[must_use]
+    pub fn end(self, summary: &RunSummary, config: &PipelineConfig) -> String {
+        let failure =
+            |(frame, error): &(FrameId, String)| json!({ "frame": frame, "error": error });
+        let failures: Vec<Value> = summary.failures.iter().map(failure).collect();
+        let scores = summary.scores.clone();
+        let scores = scores.map(|scores| json!(Artefact::new(json!(config.metrics), scores)));
+        let answers = if self.answers == 0 { "{\n  \"answers\": []" } else { "\n  ]" };
+        let (failures, scores) = (pretty(&json!(failures), "  "), pretty(&json!(scores), "  "));
+        format!("{answers},\n  \"failures\": {failures},\n  \"scores\": {scores}\n}}\n")
+    }
+}
+
+/// A JSON value over several lines, the second and later ones indented.
+fn pretty(value: &Value, indent: &str) -> String {
+    let text = serde_json::to_string_pretty(value).unwrap_or_default();
+    text.replace('\n', &format!("\n{indent}"))
 }
 
 fn line(text: &mut String, words: &str) {
@@ -96,35 +109,27 @@ fn line(text: &mut String, words: &str) {
     text.push('\n');
 }
 
-fn frame_text<'a>(
-    text: &mut String,
-    output: &FrameOutput,
-    telling: &Telling,
-    scores: &mut impl Iterator<Item = &'a jrdb_types::score::QuestionScore>,
-) {
-    let people = output.graph.nodes.iter().filter(|node| node.category == PERSON).count();
-    let objects = output.graph.nodes.len() - people;
-    let placed = output.graph.nodes.iter().filter(|node| node.center.is_some()).count();
-    let frame = &output.detections.frame;
+fn frame_text(text: &mut String, output: &FrameOutput, telling: &Telling) {
+    let FrameOutput { scene, answered } = output;
+    let nodes = &scene.graph().nodes;
+    let people = nodes.iter().filter(|node| node.category == PERSON).count();
+    let objects = nodes.len() - people;
+    let placed = nodes.iter().filter(|node| node.center.is_some()).count();
+    let frame = scene.id();
     line(
         text,
         &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"),
     );
-    for note in notes(output.detections.issues.iter().chain(&output.entities.issues)) {
+    for note in notes(scene.detections().issues.iter().chain(&scene.entities().issues)) {
         line(text, &format!("  {note}"));
     }
-    for asked in &output.asked {
-        asked_text(text, asked, telling);
-        if asked.question.truth.is_some()
-            && let Some(score) = scores.next()
-        {
-            truth_text(text, asked, score);
-        }
+    for answered in answered {
+        answered_text(text, answered, telling);
     }
     text.push('\n');
 }
 
-fn asked_text(text: &mut String, asked: &Asked, telling: &Telling) {
+fn answered_text(text: &mut String, asked: &Answered, telling: &Telling) {
     line(text, &format!("\n  {}", asked.question.text));
     for issue in &asked.answer.issues {
         line(text, &indent(&query_issue_text(&asked.query.text, issue), "  "));
@@ -140,6 +145,9 @@ fn asked_text(text: &mut String, asked: &Asked, telling: &Telling) {
     }
     for change in &asked.answer.sensitivity {
         line(text, &format!("    {}", change_text(change)));
+    }
+    if let Some(score) = &asked.score {
+        truth_text(text, asked, score);
     }
 }
 
@@ -197,7 +205,7 @@ pub fn answer(query: &Query, answer: &Answer, why_not: Option<&EntityId>) -> Str
     lines.join("\n")
 }
 
-fn truth_text(text: &mut String, asked: &Asked, score: &jrdb_types::score::QuestionScore) {
+fn truth_text(text: &mut String, asked: &Answered, score: &jrdb_types::score::QuestionScore) {
     let Some(truth) = &asked.question.truth else { return };
     let wanted = match asked.answer.task {
         Task::Count => truth.count.map_or_else(|| ids(&truth.ids), |count| count.to_string()),

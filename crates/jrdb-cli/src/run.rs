@@ -1,23 +1,30 @@
 //! Many frames through the pipeline: reading, perception, the stages, pictures, scores.
+//!
+//! Frames are worked on several at once, and handed out in order as soon as they are ready; only a few are in memory.
 
-use std::ops::Range;
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
+use std::sync::{Arc, mpsc};
 
 use jrdb_metrics::{MetricsConfig, Outcome};
+use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::EngineOptions;
-use jrdb_types::{FrameId, Question, Questions, Scores};
-use rayon::prelude::*;
+use jrdb_models::{Perception, PerceptionSource};
+use jrdb_perception::Perceive;
+use jrdb_pipeline::motion::{Places, with_motions};
+use jrdb_pipeline::stream::in_order;
+use jrdb_pipeline::{
+    Frame, Pipeline, PipelineConfig, PlacedFrame, Recording, Robot, Scene, baseline,
+};
+use jrdb_projection::Motions;
+use jrdb_types::{Answer, FrameId, Query, Question, Scores};
 
 use crate::Error;
-use crate::baseline;
-use crate::output::{Layout, Writer};
-use crate::perceive::{Perceiver, PerceptionSource};
-use crate::recording;
-use crate::source::{self, FrameSource, RobotOptions, Source};
-use jrdb_pipeline::frame::place;
-use jrdb_pipeline::motion::{self, Motions, Places};
-use jrdb_pipeline::query::read_or_report;
-use jrdb_pipeline::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
+use crate::output::{Layout, Writer, Written};
+use crate::questions::{Answered, FrameQuestions, ReadQuestion};
+use crate::source::{FrameSource, RobotOptions, Source, list_frames, open_perception};
 
 /// What to run, on what, and where to write.
 #[derive(Debug, Clone, Default)]
@@ -30,16 +37,16 @@ pub struct RunOptions {
     pub frames: Option<Range<u32>>,
     /// Where detections come from.
     pub perception: PerceptionSource,
-    /// Folder with model files.
-    pub models: PathBuf,
-    /// How to choose an engine for them.
+    /// What small models may guess from faces.
+    pub demographics: Demographics,
+    /// How to choose an engine for models, and where they are.
     pub engine: EngineOptions,
     /// Whether the robot stands still throughout: then things that are tracked are seen to move.
     pub robot_stands: bool,
     /// Whether the detector answers every question by itself, without points, graph and search.
     pub baseline: bool,
-    /// Questions asked of every frame.
-    pub queries: Vec<String>,
+    /// Questions asked of every frame, as they were read.
+    pub queries: Vec<Arc<Query>>,
     /// A file of questions with their truth; the scenes' own when neither this nor a query is given.
     pub questions: Option<PathBuf>,
     /// Configuration of the stages.
@@ -53,179 +60,299 @@ pub struct RunOptions {
 }
 
 /// One frame's result.
-#[derive(Debug)]
 pub struct FrameResult {
     /// Which frame.
     pub id: FrameId,
-    /// Its output, or why it could not be done; other frames go on.
+    /// Its scene and answers, or why it could not be done; other frames go on.
     pub output: Result<FrameOutput, Error>,
 }
 
-/// What a run came to.
-#[derive(Debug)]
-pub struct RunResult {
-    /// Every frame, in order.
-    pub frames: Vec<FrameResult>,
+/// A scene and the answers to the questions about it.
+pub struct FrameOutput {
+    /// The scene.
+    pub scene: Scene,
+    /// Its questions with their answers; those about time are the recording's.
+    pub answered: Vec<Answered>,
+}
+
+/// What a run came to, besides the frames.
+#[derive(Debug, Default)]
+pub struct RunSummary {
     /// Questions about time with their answers, one for each recording they were asked of.
-    pub recordings: Vec<Asked>,
+    pub recordings: Vec<Answered>,
     /// Scores, when any question had a known answer.
     pub scores: Option<Scores>,
-    /// What the user should know: which engine ran.
-    pub notes: Vec<String>,
     /// Questions of the file that no frame of this run could answer.
     pub unasked: usize,
+    /// Frames that could not be done, and why.
+    pub failures: Vec<(FrameId, String)>,
 }
 
-/// Runs the pipeline. `on_frame` is called after each frame, from worker threads.
-///
-/// A frame that cannot be done does not stop the others; its error is in the result.
-///
-/// # Errors
-/// When there is no frame, or a dataset, question file, model or output folder is unusable.
-pub fn run(options: &RunOptions, on_frame: &(dyn Fn() + Sync)) -> Result<RunResult, Error> {
-    let frame_sources =
-        source::list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
-    let mut questions = frame_questions(options, &frame_sources)?;
-    let perception = perception(options, &questions);
-    let perceiver = Perceiver::open(&perception, &frame_sources, &options.models, &options.engine)?;
-    if options.baseline {
-        perceiver.check_baseline()?;
-    }
-    if !perceiver.knows_truth() {
-        questions.forget_names();
-    }
-    let asked = questions.per_frame.iter().map(Vec::len).max().unwrap_or(0);
-    let ids: Vec<&FrameId> = frame_sources.iter().map(|frame| &frame.id).collect();
-    let layout = Layout::of(&ids, asked);
-    let writer = options.out.as_ref().map(|root| Writer::new(root, layout, options, &perceiver));
-    let work = || {
-        let motions = motions(&frame_sources, &perceiver, options);
-        let each = frame_sources.par_iter().zip(&questions.per_frame).zip(motions);
-        let each = each.map(|((frame, questions), motions)| {
-            let asked = (questions.as_slice(), motions);
-            let output = run_frame(frame, asked, &perceiver, writer.as_ref(), options);
-            on_frame();
-            FrameResult { id: frame.id.clone(), output }
+/// A run whose frames, questions and models are known, ready to go.
+pub struct Run<'o> {
+    options: &'o RunOptions,
+    frames: Vec<FrameSource>,
+    questions: FrameQuestions,
+    perception: Arc<Perception>,
+    config: Arc<PipelineConfig>,
+    metrics: MetricsConfig,
+    writer: Option<Writer>,
+    threads: NonZeroUsize,
+    pool: rayon::ThreadPool,
+}
+
+impl<'o> Run<'o> {
+    /// Lists the frames, reads the questions and opens perception.
+    ///
+    /// # Errors
+    /// When there is no frame, or a dataset, question file or model is unusable.
+    pub fn open(options: &'o RunOptions) -> Result<Self, Error> {
+        let frames = list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
+        let (file, parser) = (options.questions.as_ref(), &options.config.parser);
+        let (typed, sources) = (&options.queries, &options.sources);
+        let mut questions = FrameQuestions::gather(&frames, typed, file, sources, parser)?;
+        let demographics = options.demographics.for_queries(questions.queries());
+        let perception =
+            open_perception(&options.perception, &frames, &options.engine, demographics)?;
+        if options.baseline && perception.grounder().is_none() {
+            return Err(jrdb_pipeline::Error::NoGrounder.into());
+        }
+        if !perception.tracks() {
+            questions.forget_names();
+        }
+        let ids: Vec<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
+        let layout = Layout::of(&ids, questions.most());
+        let config = Arc::new(options.config.clone());
+        let writer = options.out.as_ref().map(|root| {
+            let written = match options.artifacts {
+                true => Written::Artefacts(perception.config()),
+                false => Written::Answers,
+            };
+            Writer::new(root, layout, config.clone(), written)
         });
-        each.collect::<Vec<_>>()
-    };
-    let frames = pool(options.threads)?.install(work);
-    let recordings = recording::ask(&frames, &questions.per_frame, &options.config);
-    let scores = score(&frames, &recordings, &metrics_config(options, &frame_sources));
-    if let Some(writer) = &writer {
-        recordings
-            .iter()
-            .enumerate()
-            .try_for_each(|(index, asked)| writer.recording(index, asked))?;
+        let pool = pool(options.threads)?;
+        let threads = NonZeroUsize::new(pool.current_num_threads()).unwrap_or(NonZeroUsize::MIN);
+        let metrics = metrics_config(&options.config, &frames[0].robot);
+        let perception = Arc::new(perception);
+        Ok(Self { options, frames, questions, perception, config, metrics, writer, threads, pool })
     }
-    if let (Some(writer), Some(scores)) = (&writer, &scores) {
-        writer.scores(scores)?;
+
+    /// How many frames there are.
+    #[must_use]
+    pub fn frame_count(&self) -> usize {
+        self.frames.len()
     }
-    let notes = perceiver.notes().to_vec();
-    Ok(RunResult { frames, recordings, scores, notes, unasked: questions.unasked })
+
+    /// What the user should know: which models and which engine run.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        self.perception.notes()
+    }
+
+    /// Works on all frames. `on_frame` gets each in order, as soon as it is ready, and may end the run.
+    ///
+    /// A frame that cannot be done does not stop the others; its error is in the result.
+    ///
+    /// # Errors
+    /// When what the run leaves besides its frames cannot be written.
+    pub fn execute(
+        &self,
+        mut on_frame: impl FnMut(FrameResult) -> ControlFlow<()>,
+    ) -> Result<RunSummary, Error> {
+        let mut tally = Tally::new(self);
+        let each = |result: FrameResult| {
+            tally.add(&result);
+            on_frame(result)
+        };
+        // Things are seen to move only while the robot stands, and only where ids are tracks.
+        if self.options.robot_stands && self.perception.tracks() {
+            self.moving_frames(each);
+        } else {
+            let work = |(frame, questions): (&FrameSource, &Vec<ReadQuestion>)| {
+                let output = self.pool.install(|| self.frame(frame, questions));
+                FrameResult { id: frame.id.clone(), output }
+            };
+            let frames = self.frames.iter().zip(&self.questions.per_frame);
+            in_order(frames, self.threads, work, each);
+        }
+        let summary = tally.summary()?;
+        if let Some(writer) = &self.writer {
+            for (index, answered) in summary.recordings.iter().enumerate() {
+                writer.recording(index, answered)?;
+            }
+            if let Some(scores) = &summary.scores {
+                writer.scores(scores)?;
+            }
+        }
+        Ok(summary)
+    }
+
+    /// Frames in two steps: places first, then, once the neighbouring frames have theirs, everything that motion decides.
+    fn moving_frames(&self, each: impl FnMut(FrameResult) -> ControlFlow<()>) {
+        let position_std_m = self.config.projection.heading.motion_position_std_m;
+        let (send, placed) = mpsc::sync_channel(self.threads.get());
+        std::thread::scope(|scope| {
+            scope.spawn(move || {
+                let place = |frame: &FrameSource| {
+                    let pipeline = self.pipeline(&frame.robot);
+                    self.pool.install(|| pipeline.place(self.read(frame)))
+                };
+                in_order(self.frames.iter(), self.threads, place, |result| {
+                    match send.send(result) {
+                        Ok(()) => ControlFlow::Continue(()),
+                        Err(_) => ControlFlow::Break(()),
+                    }
+                });
+            });
+            let frames = self.frames.iter().zip(&self.questions.per_frame);
+            let frames = placed.into_iter().zip(frames).map(|(placed, (frame, questions))| {
+                let nowhere = || Places::new(frame.id.clone(), []);
+                let places = placed.as_ref().map_or_else(|_| nowhere(), PlacedFrame::places);
+                (places, (placed, frame, questions))
+            });
+            let moving = with_motions(frames, position_std_m);
+            let work = |(motions, (placed, frame, questions)): Moving<'_>| {
+                let complete = |placed| {
+                    let scene = self.pipeline(&frame.robot).complete(placed, &motions);
+                    self.pool.install(|| self.answer(scene, questions))
+                };
+                let output = placed.map_err(Error::from).and_then(complete);
+                FrameResult { id: frame.id.clone(), output }
+            };
+            in_order(moving, self.threads, work, each);
+        });
+    }
+
+    fn pipeline(&self, robot: &Arc<Robot>) -> Pipeline {
+        Pipeline::sharing(robot.clone(), self.perception.clone(), self.config.clone())
+    }
+
+    /// A frame, with its image decoded where pictures will be drawn on it: then trouble with it is known in time.
+    fn read(&self, frame: &FrameSource) -> Frame {
+        let read = frame.read();
+        if self.writer.is_some() {
+            read.decode();
+        }
+        read
+    }
+
+    fn frame(&self, frame: &FrameSource, questions: &[ReadQuestion]) -> Result<FrameOutput, Error> {
+        let pipeline = self.pipeline(&frame.robot);
+        if !self.options.baseline {
+            return self.answer(pipeline.see(self.read(frame))?, questions);
+        }
+        let of_now: Vec<_> = questions.iter().filter(|one| !one.speaks_of_time()).collect();
+        let queries: Vec<&Query> = of_now.iter().map(|one| &*one.query).collect();
+        let (scene, answers) = baseline::answer(&pipeline, self.read(frame), &queries)?;
+        let answered = of_now.into_iter().zip(answers);
+        let answered = answered.map(|(one, answer)| self.answered(one, answer)).collect();
+        self.written(FrameOutput { scene, answered })
+    }
+
+    /// Answers every question that one frame can answer; those that speak of time are left to the recording.
+    fn answer(&self, scene: Scene, questions: &[ReadQuestion]) -> Result<FrameOutput, Error> {
+        let of_now = questions.iter().filter(|one| !one.speaks_of_time());
+        let answered = of_now.map(|one| self.answered(one, scene.ask_query(&one.query))).collect();
+        self.written(FrameOutput { scene, answered })
+    }
+
+    fn written(&self, output: FrameOutput) -> Result<FrameOutput, Error> {
+        if let Some(writer) = &self.writer {
+            writer.frame(&output)?;
+        }
+        Ok(output)
+    }
+
+    fn answered(&self, one: &ReadQuestion, answer: Answer) -> Answered {
+        let ReadQuestion { question, query } = one.clone();
+        let outcome = Outcome { question: &question, answer: &answer };
+        let score = jrdb_metrics::score(outcome, &self.metrics);
+        Answered { question, query, answer, score }
+    }
 }
 
-/// Where detections come from, with what the questions need of it.
-fn perception(options: &RunOptions, questions: &FrameQuestions) -> PerceptionSource {
-    let PerceptionSource::Light(demographics) = &options.perception else {
-        return options.perception.clone();
-    };
-    let asked = questions.per_frame.iter().flatten();
-    let queries: Vec<_> = asked.map(|q| read_or_report(&q.text, &options.config.parser)).collect();
-    PerceptionSource::Light(demographics.for_queries(&queries))
-}
+type Moving<'a> =
+    (Motions, (Result<PlacedFrame, jrdb_pipeline::Error>, &'a FrameSource, &'a Vec<ReadQuestion>));
 
 fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
     let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
     builder.build().map_err(|error| Error::Usage(format!("cannot start worker threads: {error}")))
 }
 
-struct FrameQuestions {
-    per_frame: Vec<Vec<Question>>,
-    unasked: usize,
+/// The metrics' configuration, with the panorama's circumference when nobody has set it.
+fn metrics_config(config: &PipelineConfig, robot: &Robot) -> MetricsConfig {
+    let period_px = config.metrics.period_px.or_else(|| robot.image().period_px());
+    MetricsConfig { period_px, ..config.metrics.clone() }
 }
 
-impl FrameQuestions {
-    /// Leaves of the truth only its boxes: the names that perception gives are others.
-    fn forget_names(&mut self) {
-        let truths = self.per_frame.iter_mut().flatten().filter_map(|q| q.truth.as_mut());
-        truths.for_each(|truth| truth.ids.clear());
+/// What is kept of frames that have been handed out: what scores and questions about time need.
+struct Tally<'r> {
+    run: &'r Run<'r>,
+    /// Questions about time of every recording, each once, with the recording so far.
+    recordings: BTreeMap<&'r str, (Vec<&'r ReadQuestion>, Recording)>,
+    scored: Vec<(Question, Answer)>,
+    failures: Vec<(FrameId, String)>,
+}
+
+impl<'r> Tally<'r> {
+    fn new(run: &'r Run<'_>) -> Self {
+        let mut recordings: BTreeMap<&str, (Vec<&ReadQuestion>, Recording)> = BTreeMap::new();
+        for (frame, questions) in run.frames.iter().zip(&run.questions.per_frame) {
+            for one in questions.iter().filter(|one| one.speaks_of_time()) {
+                let (about, _) = recordings.entry(&frame.id.sequence).or_default();
+                let (text, slots) = (&one.question.text, &one.question.slots);
+                let is_same = |other: &&ReadQuestion| {
+                    other.question.text == *text && other.question.slots == *slots
+                };
+                if !about.iter().any(is_same) {
+                    about.push(one);
+                }
+            }
+        }
+        Self { run, recordings, scored: Vec::new(), failures: Vec::new() }
     }
-}
 
-fn frame_questions(options: &RunOptions, frames: &[FrameSource]) -> Result<FrameQuestions, Error> {
-    let mut listed = Questions::default();
-    if let Some(path) = &options.questions {
-        listed = jrdb_dataset::read_questions(path)?;
-    } else if options.queries.is_empty() {
-        for source in &options.sources {
-            listed.questions.extend(source.own_questions()?.questions);
+    fn add(&mut self, result: &FrameResult) {
+        match &result.output {
+            Ok(output) => {
+                if let Some((_, recording)) = self.recordings.get_mut(&*result.id.sequence) {
+                    recording.push_graph_of(&output.scene);
+                }
+                output.answered.iter().for_each(|answered| self.keep(answered));
+            }
+            Err(error) => {
+                self.failures.push((result.id.clone(), jrdb_types::with_causes(error)));
+            }
         }
     }
-    let per_frame: Vec<Vec<Question>> =
-        frames.iter().map(|f| source::questions_for(&f.id, &options.queries, &listed)).collect();
-    let asked: usize = per_frame.iter().map(Vec::len).sum();
-    let from_file = asked - options.queries.len() * frames.len();
-    Ok(FrameQuestions { per_frame, unasked: listed.questions.len().saturating_sub(from_file) })
-}
 
-/// How things move in every frame: nothing is known to, unless the robot stands and ids are tracks.
-fn motions(frames: &[FrameSource], perceiver: &Perceiver, options: &RunOptions) -> Vec<Motions> {
-    let is_known = options.robot_stands && perceiver.tracks();
-    if !is_known {
-        return vec![Motions::new(); frames.len()];
+    /// Keeps what scores need: not the trace, which is most of an answer.
+    fn keep(&mut self, answered: &Answered) {
+        if answered.score.is_some() {
+            let answer = Answer { trace: Vec::new(), ..answered.answer.clone() };
+            self.scored.push((answered.question.clone(), answer));
+        }
     }
-    let places = |frame: &FrameSource| {
-        let detections = perceiver.detect(frame, &frame.image()).ok()?;
-        let (clouds, _) = frame.clouds();
-        let nothing = (frame.robot.as_ref(), &Motions::new());
-        Some(Places::of(&place(&detections, (&clouds, &[]), nothing, &options.config).ok()?))
-    };
-    let nowhere = |frame: &FrameSource| Places::nowhere(&frame.id);
-    let places: Vec<Places> =
-        frames.par_iter().map(|f| places(f).unwrap_or_else(|| nowhere(f))).collect();
-    motion::motions(&places, options.config.projection.heading.motion_position_std_m)
-}
 
-fn run_frame(
-    frame: &FrameSource,
-    (questions, motions): (&[Question], Motions),
-    perceiver: &Perceiver,
-    writer: Option<&Writer>,
-    options: &RunOptions,
-) -> Result<FrameOutput, Error> {
-    let (image, config) = (frame.image(), &options.config);
-    let (detections, baseline) = if options.baseline {
-        let (found, asked) = baseline::answer(frame, &image, questions, perceiver, config)?;
-        (found, Some(asked))
-    } else {
-        (perceiver.detect(frame, &image)?, None)
-    };
-    let questions = if baseline.is_some() { &[] } else { questions };
-    let (clouds, cloud_issues) = frame.clouds();
-    let (image, robot) = (image.ok(), frame.robot.clone());
-    let input = FrameInput { detections, image, clouds, robot, cloud_issues, motions };
-    let mut output = process(&input, questions, config)?;
-    output.asked.extend(baseline.into_iter().flatten());
-    if let Some(writer) = writer {
-        writer.frame(&input, &output)?;
+    fn summary(mut self) -> Result<RunSummary, Error> {
+        let recordings: Vec<Answered> = self
+            .recordings
+            .values()
+            .filter(|(_, recording)| !recording.is_empty())
+            .flat_map(|(about, recording)| {
+                about.iter().map(|one| {
+                    let answer = recording.ask_query(&one.query, &one.question.slots);
+                    self.run.answered(one, answer)
+                })
+            })
+            .collect();
+        recordings.iter().for_each(|answered| self.keep(answered));
+        let scored = self.scored.iter();
+        let outcomes: Vec<Outcome<'_>> =
+            scored.map(|(question, answer)| Outcome { question, answer }).collect();
+        let scores =
+            (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &self.run.metrics));
+        let unasked = self.run.questions.unasked;
+        Ok(RunSummary { recordings, scores, unasked, failures: self.failures })
     }
-    Ok(output)
-}
-
-/// The metrics' configuration, with the panorama's circumference when nobody has set it.
-fn metrics_config(options: &RunOptions, frames: &[FrameSource]) -> MetricsConfig {
-    let circumference_px = frames.first().and_then(|frame| frame.robot.image.period_px());
-    let period_px = options.config.metrics.period_px.or(circumference_px);
-    MetricsConfig { period_px, ..options.config.metrics.clone() }
-}
-
-fn score(frames: &[FrameResult], recordings: &[Asked], config: &MetricsConfig) -> Option<Scores> {
-    let asked = frames.iter().filter_map(|frame| frame.output.as_ref().ok()).flat_map(|o| &o.asked);
-    let outcomes: Vec<Outcome<'_>> = asked
-        .chain(recordings)
-        .filter(|asked| asked.question.truth.is_some())
-        .map(|asked| Outcome { question: &asked.question, answer: &asked.answer })
-        .collect();
-    (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, config))
 }

@@ -4,15 +4,14 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::Dataset;
-use jrdb_pipeline::Robot;
+use jrdb_models::demographics::Demographics;
+use jrdb_models::loader::EngineOptions;
+use jrdb_models::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
+use jrdb_pipeline::{CameraImage, Frame, Robot};
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{FrameId, Image, Issue, PointCloud, Question, Questions};
+use jrdb_types::{FrameId, Image, Issue, PointCloud, Questions, with_causes};
 
 use crate::Error;
-use jrdb_pipeline::with_causes;
-
-/// The category of questions that were typed, not read from a file.
-pub const TYPED: &str = "typed";
 
 /// Where frames come from.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -151,49 +150,95 @@ pub fn list_frames(
 }
 
 impl FrameSource {
+    /// The frame with its sweeps; the image is decoded when something needs it.
+    #[must_use]
+    pub fn read(&self) -> Frame {
+        let (sweeps, issues) = self.clouds();
+        let mut frame = self.image_only();
+        frame.sweeps = sweeps;
+        frame.issues = issues;
+        frame
+    }
+
+    /// The frame without sweeps.
+    #[must_use]
+    pub fn image_only(&self) -> Frame {
+        let mut frame = Frame::without_image(self.id.clone(), Vec::new());
+        frame.images.push(self.camera_image());
+        frame
+    }
+
+    /// The image, decoded when something needs it. What its file's header and end tell against it is known at once.
+    fn camera_image(&self) -> CameraImage {
+        let header = self.dataset.image_header(&self.id.sequence, self.id.frame);
+        let checked = header.map_err(|error| self.missing(&error));
+        match checked.and_then(|header| self.fits(header.size_px).map(|()| header.is_complete)) {
+            Err(issue) => CameraImage::missing(issue),
+            Ok(true) => {
+                let source = self.clone();
+                CameraImage::on_demand(move || source.image())
+            }
+            Ok(false) => self.image().map_or_else(CameraImage::missing, CameraImage::ready),
+        }
+    }
+
     /// Reads the frame's panorama.
     ///
     /// # Errors
     /// An issue when it is absent, broken, or of another size than the calibration's.
     pub fn image(&self) -> Result<Image, Issue> {
-        let missing = |message: String| Issue::new(IssueKind::MissingInput, message);
         let image = self.dataset.image(&self.id.sequence, self.id.frame);
-        let image = image.map_err(|error| missing(without_root(&error, self.dataset.root())))?;
-        let expected = [self.robot.image.width_px, self.robot.image.height_px];
-        let expected = expected.map(|side| side as usize);
-        let found = [image.width, image.height];
-        if found == expected {
-            return Ok(image);
-        }
-        Err(missing(format!(
-            "expected an image of {expected:?} px as in the calibration, found {found:?}"
-        )))
+        let image = image.map_err(|error| self.missing(&error))?;
+        self.fits([image.width, image.height]).map(|()| image)
+    }
+
+    fn missing(&self, error: &jrdb_dataset::Error) -> Issue {
+        Issue::new(IssueKind::MissingInput, without_root(error, self.dataset.root()))
+    }
+
+    fn fits(&self, found: [usize; 2]) -> Result<(), Issue> {
+        let geometry = self.robot.image();
+        let expected = [geometry.width_px, geometry.height_px].map(|side| side as usize);
+        let message = || {
+            format!("expected an image of {expected:?} px as in the calibration, found {found:?}")
+        };
+        let is_right = found == expected;
+        is_right.then_some(()).ok_or_else(|| Issue::new(IssueKind::MissingInput, message()))
     }
 
     /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
     #[must_use]
     pub fn clouds(&self) -> (Vec<PointCloud>, Vec<Issue>) {
-        self.dataset.clouds(&self.id.sequence, self.id.frame, &self.robot.rig.lidars)
+        self.dataset.clouds(&self.id.sequence, self.id.frame, &self.robot.rig().lidars)
     }
+}
+
+/// Opens a source of detections for some frames.
+///
+/// # Errors
+/// As [`Perception::open`].
+pub fn open_perception(
+    source: &PerceptionSource,
+    frames: &[FrameSource],
+    engine: &EngineOptions,
+    demographics: Demographics,
+) -> Result<Perception, Error> {
+    let mut sequences: Vec<SequenceSource> = Vec::new();
+    for frame in frames {
+        if sequences.last().is_none_or(|last| last.name != frame.id.sequence) {
+            sequences.push(SequenceSource {
+                dataset: frame.dataset.clone(),
+                name: frame.id.sequence.clone(),
+                image: frame.robot.image(),
+            });
+        }
+    }
+    let options = PerceptionOptions { engine: engine.clone(), demographics, sequences };
+    Ok(Perception::open_source(source, &options)?)
 }
 
 /// An error's text with its causes and without the path of the dataset's root: artefacts name no host
 /// paths.
-#[must_use]
-pub fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
+fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
     with_causes(error).replace(&format!("{}/", root.display()), "")
-}
-
-/// The questions for one frame: typed ones, then those of the file that are about this frame.
-#[must_use]
-pub fn questions_for(frame: &FrameId, typed: &[String], listed: &Questions) -> Vec<Question> {
-    let ask = |text: &String| Question {
-        text: text.clone(),
-        category: TYPED.into(),
-        frame: frame.clone(),
-        slots: Vec::new(),
-        truth: None,
-    };
-    let listed = listed.questions.iter().filter(|question| question.frame == *frame).cloned();
-    typed.iter().map(ask).chain(listed).collect()
 }

@@ -5,6 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use jrdb_cli::evaluation::{described_table, found_table, on_panoramas, on_tiles};
+use jrdb_models::PerceptionOptions;
 use jrdb_models::backbone::{AttributeFiles, Backbone, Graphs, florence2};
 use jrdb_models::loader::{EngineChoice, EngineOptions, Loader};
 use jrdb_perception::florence2::Task;
@@ -102,8 +103,9 @@ fn the_describer_says_what_the_training_framework_says() {
 fn people_of_unseen_scenes_are_found_and_described() {
     let engine = engine(EngineChoice::Auto);
     let backbone = Backbone::named("demo", &models()).unwrap();
-    let whole = backbone.open("demo", &models(), &engine).unwrap();
-    let single = backbone.one_tile().open("demo", &models(), &engine).unwrap();
+    let options = PerceptionOptions { engine, ..PerceptionOptions::default() };
+    let whole = backbone.open("demo", &options).unwrap().models;
+    let single = backbone.one_tile().open("demo", &options).unwrap().models;
     let scenes: Vec<Practice> = (UNSEEN..UNSEEN + 12).into_par_iter().map(practice).collect();
     let tiles = on_tiles(&scenes, &single).unwrap();
     println!("{}", found_table("120 tiles", &tiles));

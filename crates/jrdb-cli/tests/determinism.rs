@@ -2,11 +2,13 @@
 #![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
 
 use std::collections::BTreeMap;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
+use jrdb_cli::report::JsonReport;
 use jrdb_cli::report::Telling;
 use jrdb_cli::source::Source;
-use jrdb_cli::{RunOptions, report, run};
+use jrdb_cli::{Run, RunOptions, report};
 
 fn scenes() -> Vec<Source> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes");
@@ -38,10 +40,22 @@ fn outcome(threads: usize) -> (BTreeMap<PathBuf, Vec<u8>>, String) {
         artifacts: true,
         ..RunOptions::default()
     };
-    let result = run(&options, &|| ()).unwrap();
+    let run = Run::open(&options).unwrap();
+    let (mut text, mut json) = (run.notes().concat(), JsonReport::default());
+    let telling = Telling::default();
+    let summary = run.execute(|result| {
+        text += &report::frame(&result, &telling);
+        for answered in &result.output.as_ref().unwrap().answered {
+            text += &json.answer(&answered.answer, &options.config);
+        }
+        ControlFlow::Continue(())
+    });
+    let summary = summary.unwrap();
+    text += &report::summary(&summary, &telling);
+    text += &json.end(&summary, &options.config);
     let mut found = BTreeMap::new();
     files(folder.path(), folder.path(), &mut found);
-    (found, report::text(&result, &Telling::default()) + &report::json(&result, &options.config))
+    (found, text)
 }
 
 #[test]

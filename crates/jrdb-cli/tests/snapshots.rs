@@ -4,12 +4,14 @@
 #![allow(clippy::panic, clippy::unwrap_used, reason = "a failing helper should panic")]
 #![allow(clippy::print_stdout, reason = "figures and skipped tests are said aloud")]
 
+use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 
+use jrdb_cli::questions::Answered;
+use jrdb_cli::run::{FrameOutput, FrameResult};
 use jrdb_cli::source::Source;
-use jrdb_cli::{RunOptions, RunResult, run};
-use jrdb_pipeline::FrameOutput;
+use jrdb_cli::{Run, RunOptions, RunSummary};
 use serde_json::{Value, json};
 
 const STAGES: [&str; 6] = ["detections", "entities", "scene_graph", "queries", "answers", "scores"];
@@ -26,23 +28,38 @@ fn scenes() -> Vec<(String, PathBuf)> {
 }
 
 fn frame_stage(output: &FrameOutput, stage: &str) -> Value {
-    let asked =
-        |pick: &dyn Fn(&jrdb_pipeline::Asked) -> Value| output.asked.iter().map(pick).collect();
+    let asked = |pick: &dyn Fn(&Answered) -> Value| output.answered.iter().map(pick).collect();
     match stage {
-        "detections" => json!(output.detections),
-        "entities" => json!(output.entities),
-        "scene_graph" => json!(output.graph),
-        "queries" => asked(&|asked| json!(asked.query)),
+        "detections" => json!(output.scene.detections()),
+        "entities" => json!(output.scene.entities()),
+        "scene_graph" => json!(output.scene.graph()),
+        "queries" => asked(&|asked| json!(*asked.query)),
         "answers" => asked(&|asked| json!(asked.answer)),
         other => panic!("{other} is no stage of a frame"),
     }
+}
+
+/// All that a run came to.
+struct RunResult {
+    frames: Vec<FrameResult>,
+    summary: RunSummary,
+}
+
+fn run(options: &RunOptions) -> RunResult {
+    let mut frames = Vec::new();
+    let each = |frame| {
+        frames.push(frame);
+        ControlFlow::Continue(())
+    };
+    let summary = Run::open(options).unwrap().execute(each).unwrap();
+    RunResult { frames, summary }
 }
 
 /// The snapshots of one stage of one scene: name and value.
 fn stage(scene: &str, result: &RunResult, stage: usize) -> Vec<(String, Value)> {
     let named = |middle: &str| format!("{scene}{middle}-{}-{}", stage + 1, STAGES[stage]);
     if STAGES[stage] == "scores" {
-        return vec![(named(""), json!(result.scores))];
+        return vec![(named(""), json!(result.summary.scores))];
     }
     let frames = result.frames.iter().map(|frame| {
         let output = frame.output.as_ref().unwrap();
@@ -93,7 +110,7 @@ fn every_stage_is_as_it_was() {
     let scenes = scenes();
     let run_scene = |path: &PathBuf| {
         let sources = vec![Source::Scene(path.clone())];
-        run(&RunOptions { sources, ..RunOptions::default() }, &|| ()).unwrap()
+        run(&RunOptions { sources, ..RunOptions::default() })
     };
     let results: Vec<RunResult> = scenes.iter().map(|(_, path)| run_scene(path)).collect();
     let mut settings = insta::Settings::clone_current();
@@ -118,8 +135,8 @@ fn every_stage_is_as_it_was() {
 #[test]
 fn every_bundled_question_is_answered_exactly() {
     let sources = scenes().into_iter().map(|(_, path)| Source::Scene(path)).collect();
-    let result = run(&RunOptions { sources, ..RunOptions::default() }, &|| ()).unwrap();
-    let scores = result.scores.unwrap();
+    let result = run(&RunOptions { sources, ..RunOptions::default() });
+    let scores = result.summary.scores.unwrap();
     for score in &scores.questions {
         assert_eq!(score.exact, Some(true), "{}: {}", score.frame, score.question);
         assert_eq!((score.false_positives, score.false_negatives), (0, 0), "{}", score.question);

@@ -23,6 +23,11 @@ const MAX_JPEG_SIDE: usize = 65_535;
 /// Bytes that the PNG decoder may use for itself: text, palettes, and a few rows.
 const PNG_WORKING_BYTES: usize = 1 << 26;
 
+/// What a complete picture ends with, perhaps followed by a few bytes of padding.
+const PNG_END: &[u8] = b"IEND";
+const JPEG_END: &[u8] = &[0xff, 0xd9];
+/// Where the end is looked for, bytes from the last.
+const TAIL_BYTES: usize = 64;
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_MAGIC: &[u8] = b"\xff\xd8\xff";
 
@@ -65,6 +70,23 @@ pub fn read_image(path: &Path) -> Result<Image, Error> {
     decode_image(&file::read(path)?).map_err(|source| Error::Image { path: path.into(), source })
 }
 
+/// What a picture's bytes tell without being decoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageHeader {
+    /// Columns and rows.
+    pub size_px: [usize; 2],
+    /// Whether the bytes end as a complete picture does; a file that was cut off does not.
+    pub is_complete: bool,
+}
+
+/// What a picture file tells without being decoded.
+///
+/// # Errors
+/// As [`read_image`].
+pub(crate) fn read_header(path: &Path) -> Result<ImageHeader, Error> {
+    image_header(&file::read(path)?).map_err(|source| Error::Image { path: path.into(), source })
+}
+
 /// Decodes a PNG or a baseline or progressive JPEG, told apart by their first bytes.
 ///
 /// Grey and palette pictures become RGB, 16-bit samples keep their upper 8 bits, and an alpha channel
@@ -78,20 +100,48 @@ pub fn decode_image(bytes: &[u8]) -> Result<Image, ImageError> {
     } else if bytes.starts_with(JPEG_MAGIC) {
         decode_jpeg(bytes)
     } else {
-        let found = bytes.iter().copied().take(PNG_MAGIC.len()).collect();
-        Err(ImageError::UnknownFormat { found })
+        Err(unknown_format(bytes))
     }
 }
 
-fn decode_png(bytes: &[u8]) -> Result<Image, ImageError> {
+/// Reads the header of a picture that [`decode_image`] decodes, and looks at its end.
+///
+/// # Errors
+/// [`ImageError`], as far as the header tells.
+pub fn image_header(bytes: &[u8]) -> Result<ImageHeader, ImageError> {
+    let tail = &bytes[bytes.len().saturating_sub(TAIL_BYTES)..];
+    let ends_with = |mark: &[u8]| tail.windows(mark.len()).any(|found| found == mark);
+    if bytes.starts_with(PNG_MAGIC) {
+        let reader = png_reader(bytes)?;
+        let size_px = [reader.info().width as usize, reader.info().height as usize];
+        Ok(ImageHeader { size_px, is_complete: ends_with(PNG_END) })
+    } else if bytes.starts_with(JPEG_MAGIC) {
+        let (_, size_px) = jpeg_decoder(bytes)?;
+        Ok(ImageHeader { size_px, is_complete: ends_with(JPEG_END) })
+    } else {
+        Err(unknown_format(bytes))
+    }
+}
+
+fn unknown_format(bytes: &[u8]) -> ImageError {
+    ImageError::UnknownFormat { found: bytes.iter().copied().take(PNG_MAGIC.len()).collect() }
+}
+
+fn png_reader(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>, ImageError> {
     let mut decoder =
         png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: PNG_WORKING_BYTES });
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
-    let mut reader = decoder.read_info().map_err(png_error)?;
+    let reader = decoder.read_info().map_err(png_error)?;
     let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     check_size(width, height, bytes.len())?;
+    Ok(reader)
+}
+
+fn decode_png(bytes: &[u8]) -> Result<Image, ImageError> {
+    let mut reader = png_reader(bytes)?;
+    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
     let channels = reader.output_color_type().0.samples();
     let mut samples = vec![0; channels * width * height];
     reader.next_frame(&mut samples).map_err(png_error)?;
@@ -110,7 +160,9 @@ fn rgb_from_channels(samples: Vec<u8>, channels: usize) -> Vec<u8> {
     }
 }
 
-fn decode_jpeg(bytes: &[u8]) -> Result<Image, ImageError> {
+type JpegOf<'b> = JpegDecoder<Cursor<&'b [u8]>>;
+
+fn jpeg_decoder(bytes: &[u8]) -> Result<(JpegOf<'_>, [usize; 2]), ImageError> {
     let options = DecoderOptions::default()
         .set_strict_mode(true)
         .set_max_width(MAX_JPEG_SIDE)
@@ -120,6 +172,11 @@ fn decode_jpeg(bytes: &[u8]) -> Result<Image, ImageError> {
     decoder.decode_headers().map_err(jpeg_error)?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
     check_size(width, height, bytes.len())?;
+    Ok((decoder, [width, height]))
+}
+
+fn decode_jpeg(bytes: &[u8]) -> Result<Image, ImageError> {
+    let (mut decoder, [width, height]) = jpeg_decoder(bytes)?;
     let rgb = decoder.decode().map_err(jpeg_error)?;
     if rgb.len() != 3 * width * height {
         let found = format!("{} samples for {width} x {height} rgb pixels", rgb.len());
@@ -171,6 +228,19 @@ pub fn encode_png(image: &Image, compression: PngCompression) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_header_tells_the_size_of_the_picture_and_whether_it_was_cut() {
+        let drawn = encode_png(&Image::filled(9, 4, [7; 3]), PngCompression::Quick);
+        for bytes in [GRADIENT, PROGRESSIVE, GREY, &drawn] {
+            let (image, header) = (decode_image(bytes).unwrap(), image_header(bytes).unwrap());
+            assert_eq!(header.size_px, [image.width, image.height]);
+            assert!(header.is_complete);
+            assert!(!image_header(&bytes[..bytes.len() - 9]).unwrap().is_complete);
+        }
+        assert!(image_header(&GRADIENT[..20]).is_err() && image_header(b"GIF89a").is_err());
+    }
+
     use proptest::prelude::*;
 
     const GRADIENT: &[u8] = include_bytes!("../testdata/gradient.jpg");

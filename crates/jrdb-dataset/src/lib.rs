@@ -19,7 +19,9 @@ pub use calibration::{LidarMount, OfficialCalibration};
 pub use cloud::pcd;
 pub use detections::read_detections;
 pub use error::Error;
-pub use image::{ImageError, PngCompression, decode_image, encode_png, read_image};
+pub use image::{
+    ImageError, ImageHeader, PngCompression, decode_image, encode_png, image_header, read_image,
+};
 pub use labels::SequenceLabels;
 pub use questions::{read_questions, write_questions};
 pub use tree::Dataset;

@@ -7,6 +7,7 @@ use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig};
 
 use crate::cloud::{Fields, Reader};
 use crate::error::chain;
+use crate::image::ImageHeader;
 use crate::labels::{self, SequenceLabels};
 use crate::{Error, OfficialCalibration, file, image, rig};
 
@@ -123,12 +124,23 @@ impl Dataset {
     /// # Errors
     /// [`Error::Absent`], [`Error::Read`] or [`Error::Image`].
     pub fn image(&self, sequence: &str, frame: u32) -> Result<Image, Error> {
+        image::read_image(&self.image_path(sequence, frame)?)
+    }
+
+    /// What the stitched image of a frame tells without being decoded.
+    ///
+    /// # Errors
+    /// As [`Dataset::image`], as far as the file's header tells.
+    pub fn image_header(&self, sequence: &str, frame: u32) -> Result<ImageHeader, Error> {
+        image::read_header(&self.image_path(sequence, frame)?)
+    }
+
+    fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
-        let path = find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {
+        find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {
             expected: format!("{frame:06}.{}", IMAGE_EXTENSIONS.join(", .")),
             path: folder,
-        })?;
-        image::read_image(&path)
+        })
     }
 
     /// The sweeps of a frame, one for each of the rig's LiDARs and in their order, from

@@ -4,7 +4,7 @@ mod adjacency;
 mod columns;
 mod ids;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::entity::Between;
@@ -31,10 +31,16 @@ const PEDESTRIAN: &str = "pedestrian";
 #[derive(Debug)]
 pub struct GraphIndex<'a> {
     scene: &'a SceneGraph,
+    tables: Arc<Tables>,
+}
+
+/// All that an index holds besides the graph: places in the graph's lists, and sets of numbers.
+#[derive(Debug)]
+pub(crate) struct Tables {
     /// Where the numbered nodes are in the scene's list.
     nodes: Vec<u32>,
-    ids: Ids<'a>,
-    outside: Vec<&'a EntityId>,
+    ids: Ids,
+    outside: Vec<End>,
     columns: Columns,
     /// Edges in the order of their ends.
     ends: Vec<Ends>,
@@ -42,51 +48,40 @@ pub struct GraphIndex<'a> {
     outgoing: OnceLock<Rows>,
     incoming: OnceLock<Rows>,
     runs: Runs,
-    between: Vec<(u32, [u32; 2], &'a Between)>,
+    /// The one between, the two ends, and the entry's place in the scene's list.
+    between: Vec<(u32, [u32; 2], u32)>,
+}
+
+/// One end of an edge of the scene's list.
+#[derive(Debug, Clone, Copy)]
+struct End {
+    edge: u32,
+    is_from: bool,
+}
+
+impl End {
+    fn id(self, scene: &SceneGraph) -> &EntityId {
+        let edge = &scene.edges[self.edge as usize];
+        if self.is_from { &edge.from } else { &edge.to }
+    }
 }
 
 impl<'a> GraphIndex<'a> {
     /// Indexes a graph.
     #[must_use]
     pub fn new(scene: &'a SceneGraph) -> Self {
-        let mut nodes: Vec<u32> = (0..scene.nodes.len() as u32).collect();
-        if !scene.nodes.is_sorted_by(|a, b| a.id <= b.id) {
-            nodes.sort_by_key(|&place| &scene.nodes[place as usize].id);
-        }
-        let in_order = || nodes.iter().map(|&place| &scene.nodes[place as usize]);
-        let ids = Ids::new(in_order());
-        let (ends, outside) = ends(scene, &ids);
-        let size = nodes.len() + outside.len();
-        let mut columns = Columns::new(in_order(), size);
-        let class = in_order().find(|node| node.category == PERSON).map(|node| &node.id.class);
-        let class = class.map_or(PEDESTRIAN, String::as_str);
-        for (id, number) in outside.iter().zip(nodes.len()..) {
-            if id.class == class {
-                columns.people_mut().insert(number);
-            }
-        }
-        let ends = adjacency::in_order(ends, size);
-        let runs = adjacency::runs(&ends, size);
-        let (outgoing, incoming, between) = Default::default();
-        let mut index =
-            Self { scene, nodes, ids, outside, columns, ends, outgoing, incoming, runs, between };
-        index.between = index.numbered_between();
-        index
+        tracing::trace!(target: "jrdb::index", frame = %scene.frame);
+        Self::over(scene, Arc::new(Tables::new(scene)))
     }
 
-    fn numbered_between(&self) -> Vec<(u32, [u32; 2], &'a Between)> {
-        let mut between: Vec<_> = self
-            .scene
-            .between
-            .iter()
-            .filter_map(|entry| {
-                let [first, second] = &entry.ends;
-                let ends = [self.number(first)? as u32, self.number(second)? as u32];
-                Some((self.number(&entry.middle)? as u32, ends, entry))
-            })
-            .collect();
-        between.sort_by_key(|&(middle, ends, _)| (middle, ends));
-        between
+    /// The index of a graph whose tables were made before.
+    pub(crate) fn over(scene: &'a SceneGraph, tables: Arc<Tables>) -> Self {
+        Self { scene, tables }
+    }
+
+    /// What can be kept without the graph, for [`GraphIndex::over`].
+    pub(crate) fn into_tables(self) -> Arc<Tables> {
+        self.tables
     }
 
     /// The graph itself.
@@ -98,65 +93,62 @@ impl<'a> GraphIndex<'a> {
     /// How many nodes there are: they have the numbers below.
     #[must_use]
     pub fn node_count(&self) -> usize {
-        self.nodes.len()
+        self.tables.nodes.len()
     }
 
     /// How many numbers there are: nodes and ends that are no nodes.
     #[must_use]
     #[inline]
     pub fn size(&self) -> usize {
-        self.nodes.len() + self.outside.len()
+        self.tables.nodes.len() + self.tables.outside.len()
     }
 
     /// The node of a number; none for an end that is no node.
     #[must_use]
     pub fn node(&self, number: usize) -> Option<&'a Node> {
-        self.nodes.get(number).map(|&place| &self.scene.nodes[place as usize])
+        self.tables.nodes.get(number).map(|&place| &self.scene.nodes[place as usize])
     }
 
     /// The nodes with their numbers, in the order of their ids.
     pub fn nodes(&self) -> impl Iterator<Item = (usize, &'a Node)> + '_ {
-        self.nodes.iter().map(|&place| &self.scene.nodes[place as usize]).enumerate()
+        self.tables.nodes.iter().map(|&place| &self.scene.nodes[place as usize]).enumerate()
     }
 
     /// The id of a number below [`Self::size`].
     #[must_use]
     pub fn id(&self, number: usize) -> Option<&'a EntityId> {
-        let outside = || self.outside.get(number - self.nodes.len()).copied();
+        let outside = || {
+            let end = self.tables.outside.get(number - self.tables.nodes.len());
+            end.map(|end| end.id(self.scene))
+        };
         self.node(number).map_or_else(outside, |node| Some(&node.id))
     }
 
     /// The number of an id.
     #[must_use]
     pub fn number(&self, id: &EntityId) -> Option<usize> {
-        match self.ids.find(id, &mut 0) {
-            NOWHERE => {
-                let place = self.outside.binary_search(&id).ok()?;
-                Some(self.nodes.len() + place)
-            }
-            number => Some(number as usize),
-        }
+        self.tables.number(id, self.scene)
     }
 
     /// Who has which value.
     #[must_use]
     #[inline]
     pub fn columns(&self) -> &Columns {
-        &self.columns
+        &self.tables.columns
     }
 
     /// Edges from a thing.
     #[must_use]
     pub fn outgoing(&self, number: usize) -> Row<'_> {
-        let rows = || adjacency::outgoing(&self.ends, self.size());
-        self.outgoing.get_or_init(rows).row(number)
+        let rows = || adjacency::outgoing(&self.tables.ends, self.size());
+        self.tables.outgoing.get_or_init(rows).row(number)
     }
 
     /// Edges to a thing.
     #[must_use]
     pub fn incoming(&self, number: usize) -> Row<'_> {
-        let rows = || adjacency::incoming(&self.ends, self.size());
-        self.incoming.get_or_init(rows).row(number)
+        let rows = || adjacency::incoming(&self.tables.ends, self.size());
+        self.tables.incoming.get_or_init(rows).row(number)
     }
 
     /// What an edge of a [`Row`] says.
@@ -182,19 +174,73 @@ impl<'a> GraphIndex<'a> {
         direction: Direction,
         distance: Option<DistanceWord>,
     ) -> &[u32] {
-        self.runs.run(number, direction, distance)
+        self.tables.runs.run(number, direction, distance)
     }
 
     /// Between which two a thing is, as numbers, with the entry that says so.
     pub fn between(&self, middle: usize) -> impl Iterator<Item = ([usize; 2], &'a Between)> + '_ {
-        let low = self.between.partition_point(|entry| (entry.0 as usize) < middle);
-        let of_middle = self.between[low..].iter().take_while(move |e| e.0 as usize == middle);
-        of_middle.map(|&(_, [first, second], entry)| ([first as usize, second as usize], entry))
+        let between = &self.tables.between;
+        let low = between.partition_point(|entry| (entry.0 as usize) < middle);
+        let of_middle = between[low..].iter().take_while(move |e| e.0 as usize == middle);
+        of_middle.map(|&(_, [first, second], place)| {
+            ([first as usize, second as usize], &self.scene.between[place as usize])
+        })
     }
 }
 
-/// The ends of the scene's edges as numbers, and the ids of those that are no nodes, sorted.
-fn ends<'a>(scene: &'a SceneGraph, ids: &Ids<'a>) -> (Vec<Ends>, Vec<&'a EntityId>) {
+impl Tables {
+    fn new(scene: &SceneGraph) -> Self {
+        let mut nodes: Vec<u32> = (0..scene.nodes.len() as u32).collect();
+        if !scene.nodes.is_sorted_by(|a, b| a.id <= b.id) {
+            nodes.sort_by_key(|&place| &scene.nodes[place as usize].id);
+        }
+        let in_order = || nodes.iter().map(|&place| &scene.nodes[place as usize]);
+        let ids = Ids::new(in_order());
+        let (ends, outside) = ends(scene, &ids);
+        let size = nodes.len() + outside.len();
+        let mut columns = Columns::new(in_order(), size);
+        let class = in_order().find(|node| node.category == PERSON).map(|node| &node.id.class);
+        let class = class.map_or(PEDESTRIAN, String::as_str);
+        for (end, number) in outside.iter().zip(nodes.len()..) {
+            if end.id(scene).class == class {
+                columns.people_mut().insert(number);
+            }
+        }
+        let ends = adjacency::in_order(ends, size);
+        let runs = adjacency::runs(&ends, size);
+        let (outgoing, incoming, between) = Default::default();
+        let mut tables =
+            Self { nodes, ids, outside, columns, ends, outgoing, incoming, runs, between };
+        tables.between = tables.numbered_between(scene);
+        tables
+    }
+
+    fn numbered_between(&self, scene: &SceneGraph) -> Vec<(u32, [u32; 2], u32)> {
+        let entries = scene.between.iter().zip(0..);
+        let mut between: Vec<_> = entries
+            .filter_map(|(entry, place)| {
+                let [first, second] = &entry.ends;
+                let ends = [self.number(first, scene)? as u32, self.number(second, scene)? as u32];
+                Some((self.number(&entry.middle, scene)? as u32, ends, place))
+            })
+            .collect();
+        between.sort_by_key(|&(middle, ends, _)| (middle, ends));
+        between
+    }
+
+    fn number(&self, id: &EntityId, scene: &SceneGraph) -> Option<usize> {
+        match self.ids.find(id, &mut 0) {
+            NOWHERE => {
+                let place = self.outside.binary_search_by(|end| end.id(scene).cmp(id)).ok()?;
+                Some(self.nodes.len() + place)
+            }
+            number => Some(number as usize),
+        }
+    }
+}
+
+/// The ends of the scene's edges as numbers, and those that are no nodes, sorted by their ids.
+fn ends(scene: &SceneGraph, ids: &Ids) -> (Vec<Ends>, Vec<End>) {
     let (mut from_class, mut to_class) = (0, 0);
     let mut outside = Vec::new();
     let mut ends = Vec::with_capacity(scene.edges.len());
@@ -202,16 +248,16 @@ fn ends<'a>(scene: &'a SceneGraph, ids: &Ids<'a>) -> (Vec<Ends>, Vec<&'a EntityI
         let from = ids.find(&edge.from, &mut from_class);
         let to = ids.find(&edge.to, &mut to_class);
         if from == NOWHERE {
-            outside.push(&edge.from);
+            outside.push(End { edge: place, is_from: true });
         }
         if to == NOWHERE {
-            outside.push(&edge.to);
+            outside.push(End { edge: place, is_from: false });
         }
         let code = adjacency::place_code(&edge.relation);
         ends.push(Ends { from, to, edge: place, code });
     }
-    outside.sort();
-    outside.dedup();
+    outside.sort_by_key(|end| end.id(scene));
+    outside.dedup_by_key(|end| end.id(scene));
     if !outside.is_empty() {
         number_outside(scene, &mut ends, &outside);
     }
@@ -219,10 +265,10 @@ fn ends<'a>(scene: &'a SceneGraph, ids: &Ids<'a>) -> (Vec<Ends>, Vec<&'a EntityI
     (ends, outside)
 }
 
-fn number_outside(scene: &SceneGraph, ends: &mut [Ends], outside: &[&EntityId]) {
+fn number_outside(scene: &SceneGraph, ends: &mut [Ends], outside: &[End]) {
     let first = scene.nodes.len() as u32;
     let number = |id: &EntityId| {
-        let place = outside.binary_search(&id);
+        let place = outside.binary_search_by(|end| end.id(scene).cmp(id));
         place.map_or(NOWHERE, |place| first + place as u32)
     };
     for ends in ends {

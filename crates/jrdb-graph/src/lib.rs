@@ -3,9 +3,11 @@
 mod bits;
 mod build;
 mod index;
+mod indexed;
 mod timeless;
 
 pub use bits::BitSet;
 pub use build::{GraphConfig, Hidden, Pairs, build};
 pub use index::{Column, Columns, GraphIndex, Row};
+pub use indexed::IndexedGraph;
 pub use timeless::make_timeless;

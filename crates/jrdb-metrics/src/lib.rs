@@ -5,4 +5,4 @@ mod matching;
 mod questions;
 
 pub use matching::{Matches, match_boxes};
-pub use questions::{MetricsConfig, Outcome, evaluate};
+pub use questions::{MetricsConfig, Outcome, evaluate, score};

@@ -85,6 +85,12 @@ pub fn evaluate(outcomes: &[Outcome<'_>], config: &MetricsConfig) -> Scores {
     }
 }
 
+/// The score of one question; `None` when its truth is unknown.
+#[must_use]
+pub fn score(outcome: Outcome<'_>, config: &MetricsConfig) -> Option<QuestionScore> {
+    Scored::new(outcome, config).map(|scored| scored.score)
+}
+
 struct Scored<'a> {
     truth: &'a Truth,
     answer: &'a Answer,

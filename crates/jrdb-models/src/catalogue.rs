@@ -237,7 +237,7 @@ mod tests {
                 model.file.is_relative() && model.inputs.is_empty() == model.outputs.is_empty()
             );
         }
-        let files = [crate::light::SSDLITE_FILE, crate::light::NANODET_FILE];
+        let files = ["ssdlite-mbv2-300-person.f16.onnx", "nanodet-g-416-coco.f16.onnx"];
         for file in files {
             assert!(manifest.models.iter().any(|model| model.file == Path::new(file)), "{file}");
         }

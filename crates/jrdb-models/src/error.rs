@@ -33,6 +33,17 @@ pub enum Error {
         "expected an ONNX Runtime library, found none in ORT_DYLIB_PATH, the models folder, Python and the system"
     )]
     NoLibrary,
+    /// A text does not name a source of detections.
+    #[error(
+        "expected labels, file:PATH, replay:PATH or the name of a backbone ({}), found {found:?}",
+        known.join(", ")
+    )]
+    UnknownSource {
+        /// The text.
+        found: String,
+        /// Names of the built-in backbones.
+        known: Vec<&'static str>,
+    },
     /// A name is neither that of a built-in backbone nor of a file in the models folder.
     #[error("expected a backbone {path:?} or one of {}, found none called {name:?}: {source}", known.join(", "))]
     UnknownBackbone {

@@ -2,15 +2,21 @@
 
 pub mod backbone;
 pub mod catalogue;
+pub mod demographics;
 mod digest;
 mod error;
 pub mod fetch;
-pub mod light;
+mod labels;
 pub mod loader;
+mod perception;
 pub mod profile;
 mod python;
 pub mod quality;
+mod replay;
 pub mod trial;
 
 pub use digest::sha256_hex;
 pub use error::Error;
+pub use labels::Labels;
+pub use perception::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
+pub use replay::Replay;

@@ -45,7 +45,11 @@ pub struct Loader {
 }
 
 impl Loader {
-    /// Finds the engine that the options ask for, as [`open_engine`] does.
+    /// Finds the engine that the options ask for.
+    ///
+    /// ONNX Runtime is looked for in this order: the path given, `ORT_DYLIB_PATH`, the models folder, the active
+    /// Python environment, the system's library path. A path that the user gave must work; of the others the first
+    /// that loads is taken.
     ///
     /// # Errors
     /// When a library that was asked for does not load.
@@ -95,42 +99,7 @@ impl Loader {
     }
 }
 
-/// Loads a model into the engine that the options ask for, with one line on which it is.
-///
-/// ONNX Runtime is looked for in this order: the path given, `ORT_DYLIB_PATH`, the models folder, the active
-/// Python environment, the system's library path. A path that the user gave must work; of the others the first
-/// that loads is taken.
-///
-/// # Errors
-/// When the model or a library that was asked for does not load.
-pub fn open_engine(
-    model: &[u8],
-    path: &Path,
-    options: &EngineOptions,
-) -> Result<(Box<dyn Engine>, String), Error> {
-    let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
-    if let Some(library) = find_library(options)? {
-        let (library, found) = library;
-        let engine = Box::new(OrtEngine::from_onnx(&library, model, 1).map_err(wrap)?);
-        return Ok((
-            watched(engine, path, options),
-            format!("engine: ONNX Runtime, {}", found.display()),
-        ));
-    }
-    if options.choice == EngineChoice::Ort {
-        return Err(Error::NoLibrary);
-    }
-    let engine = Box::new(RtenEngine::from_onnx(model).map_err(wrap)?);
-    Ok((watched(engine, path, options), "engine: rten (pure Rust, CPU)".into()))
-}
-
-fn watched(engine: Box<dyn Engine>, path: &Path, options: &EngineOptions) -> Box<dyn Engine> {
-    match &options.profile {
-        Some(profile) => profile.watch(engine, path),
-        None => engine,
-    }
-}
-
+/// The library that the options name or that is found first.
 fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>, Error> {
     if options.choice == EngineChoice::Rten {
         return Ok(None);
@@ -142,17 +111,18 @@ fn find_library(options: &EngineOptions) -> Result<Option<(OrtLibrary, PathBuf)>
         let library = OrtLibrary::load(&path).map_err(|source| Error::Engine { what, source })?;
         return Ok(Some((library, path)));
     }
-    let places = [options.models.join("onnxruntime")].into_iter().chain(python_package());
-    let system = PathBuf::from("libonnxruntime.so");
-    let candidates = places.filter_map(|folder| library_in(&folder)).chain([system]);
-    Ok(candidates.into_iter().find_map(|path| Some((OrtLibrary::load(&path).ok()?, path))))
+    let load = |path: PathBuf| Some((OrtLibrary::load(&path).ok()?, path));
+    // Each place is looked at only when the one before it has nothing: Python takes a while to start.
+    let found = library_in(&options.models.join("onnxruntime")).and_then(load);
+    let found = found.or_else(|| library_in(&python_package()?).and_then(load));
+    Ok(found.or_else(|| load("libonnxruntime.so".into())))
 }
 
 /// The folder of ONNX Runtime's library in the active Python environment.
 fn python_package() -> Option<PathBuf> {
     let script =
         "import importlib.util as u; s = u.find_spec('onnxruntime'); print(s.origin if s else '')";
-    let output = Command::new("python3").args(["-c", script]).output().ok()?;
+    let output = Command::new("python3").args(["-I", "-c", script]).output().ok()?;
     let origin = String::from_utf8(output.stdout).ok()?;
     let package = Path::new(origin.trim()).parent()?.to_path_buf();
     Some(package.join("capi"))

@@ -7,7 +7,7 @@ use jrdb_perception::Tensor;
 
 use crate::Error;
 use crate::catalogue::Model;
-use crate::loader::{EngineOptions, open_engine};
+use crate::loader::{EngineOptions, Loader};
 
 /// Runs whose best time counts.
 const RUNS: usize = 3;
@@ -29,8 +29,8 @@ pub struct Trial {
 /// When it cannot be read, loaded or run.
 pub fn run(model: &Model, folder: &Path, options: &EngineOptions) -> Result<Trial, Error> {
     let path = folder.join(&model.file);
-    let bytes = std::fs::read(&path).map_err(Error::read(&path))?;
-    let (engine, note) = open_engine(&bytes, &path, options)?;
+    let loader = Loader::new(options)?;
+    let (engine, note) = (loader.open(&path)?, loader.note().to_owned());
     let inputs: Vec<(&str, Tensor)> =
         model.inputs.iter().map(|i| (i.name.as_str(), numbers(&i.shape))).collect();
     let given: Vec<(&str, &Tensor)> = inputs.iter().map(|(name, tensor)| (*name, tensor)).collect();

@@ -5,32 +5,33 @@ use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 use crate::engine::{Cause, Engine, EngineError, Tensor};
 
 /// Finds things in an image.
-pub trait Detector {
+pub trait Detector: Send + Sync {
     /// The things in the image, numbered from left to right.
     ///
     /// # Errors
     /// When the image, the settings or the model cannot be used.
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError>;
 
-    /// What a whole sentence means, as the model alone understands it: a baseline without geometry. None if it takes no sentences.
-    ///
-    /// # Errors
-    /// As [`Detector::detect`].
-    fn ground(
-        &self,
-        _image: &Image,
-        _frame: &FrameId,
-        _sentence: &str,
-    ) -> Result<Option<Detections>, PerceptionError> {
-        Ok(None)
-    }
-
     /// Every setting that shapes the detections, for the artefact's `config`.
     fn config(&self) -> serde_json::Value;
 }
 
+/// Finds what a whole sentence means, by the model alone: the paper's baseline without geometry.
+pub trait Grounder: Send + Sync {
+    /// The boxes that the sentence means, numbered from left to right.
+    ///
+    /// # Errors
+    /// When the image, the sentence or the model cannot be used.
+    fn ground(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        sentence: &str,
+    ) -> Result<Detections, PerceptionError>;
+}
+
 /// Says what a detected thing looks like.
-pub trait AttributeModel {
+pub trait AttributeModel: Send + Sync {
     /// What is believed of one detection; an empty belief where the model cannot tell.
     ///
     /// # Errors
@@ -114,6 +115,9 @@ pub enum PerceptionError {
         /// What it has.
         known: Vec<String>,
     },
+    /// A source of detections other than a model cannot be used for a frame.
+    #[error("{0}")]
+    Source(String),
     /// The engine could not load or run the model.
     #[error("the model could not be used")]
     Engine(#[from] EngineError),

@@ -20,6 +20,7 @@ pub mod nanodet;
 pub mod nms;
 mod numbered;
 pub mod pair;
+pub mod perceive;
 pub mod picture;
 mod posture;
 pub mod resize;
@@ -33,11 +34,12 @@ pub mod vlm;
 
 pub use appearance::{Appearance, AppearanceConfig, FaceModels};
 pub use demographics::FaceReader;
-pub use detector::{AttributeModel, Detector, PerceptionError};
+pub use detector::{AttributeModel, Detector, Grounder, PerceptionError};
 pub use engine::{
     Engine, EngineError, Held, Input, OrtEngine, OrtLibrary, RtenEngine, Sessions, Tensor,
 };
 pub use face::{Face, FaceFinder};
 pub use nanodet::{NanoDet, NanoDetConfig};
 pub use pair::{PairConfig, PairDetector};
+pub use perceive::{KnownDetections, Models, Perceive, View};
 pub use ssdlite::{SsdLite, SsdLiteConfig};

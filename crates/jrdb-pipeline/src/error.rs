@@ -1,9 +1,19 @@
 //! What can go wrong between the stages.
 
+use jrdb_types::{FrameId, with_causes};
+
 /// Why a frame or a question could not be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// Perception failed on a frame.
+    #[error("{source}")]
+    Perception {
+        /// Which frame.
+        frame: FrameId,
+        /// Why.
+        source: jrdb_perception::PerceptionError,
+    },
     /// A stage refused its input.
     #[error("{frame}: {source}")]
     Projection {
@@ -18,19 +28,9 @@ pub enum Error {
     /// A question of which nothing is understood, or notation that does not fit together.
     #[error("{0}")]
     Query(String),
-}
-
-/// An error and its causes on one line; a cause that the error has already told is left out.
-#[must_use]
-pub fn with_causes(error: &dyn std::error::Error) -> String {
-    let mut text = error.to_string();
-    let mut cause = error.source();
-    while let Some(inner) = cause {
-        let inner_text = inner.to_string();
-        if !text.contains(&inner_text) {
-            text = format!("{text}: {inner_text}");
-        }
-        cause = inner.source();
-    }
-    text
+    /// Whole sentences were to be answered by a detector that takes none.
+    #[error(
+        "expected a detector that takes sentences (Florence-2, MM-Grounding-DINO or LLMDet), found none"
+    )]
+    NoGrounder,
 }

@@ -1,144 +1,137 @@
-//! One frame through all stages, in memory.
+//! What the sensors gave at one moment.
 
-use std::sync::Arc;
+use std::fmt;
+use std::sync::OnceLock;
 
-use jrdb_calibration::FloorConfig;
-use jrdb_graph::GraphConfig;
-use jrdb_metrics::MetricsConfig;
-use jrdb_parser::ParserConfig;
-use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors};
-use jrdb_search::SearchConfig;
-use jrdb_types::{
-    Answer, Detections, Entities, FloorPlane, Image, Issue, PointCloud, Query, Question, SceneGraph,
-};
-use serde::{Deserialize, Serialize};
+use jrdb_types::{FrameId, Image, Issue, PointCloud};
 
-use crate::Error;
-use crate::motion::Motions;
-use crate::query::{read_or_report, speaks_of_time};
-use crate::robot::Robot;
-
-/// Configuration of every stage behind perception.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct PipelineConfig {
-    /// The floor in the cloud.
-    pub floor: FloorConfig,
-    /// Cloud and boxes to entities.
-    pub projection: ProjectionConfig,
-    /// Entities to a graph.
-    pub graph: GraphConfig,
-    /// English to a query.
-    pub parser: ParserConfig,
-    /// Graph and query to an answer.
-    pub search: SearchConfig,
-    /// Whether the smallest changes that change an answer are looked for; that takes many searches.
-    pub sensitivity: bool,
-    /// Answers to scores.
-    pub metrics: MetricsConfig,
-}
-
-/// What the sensors and perception gave for one frame.
-#[derive(Debug, Clone)]
-pub struct FrameInput {
-    /// Who is where in the image.
-    pub detections: Detections,
-    /// The panorama; pictures are drawn on it.
-    pub image: Option<Image>,
+/// What the sensors gave at one moment: images, sweeps, and what of them is missing.
+///
+/// ```
+/// use jrdb_pipeline::Frame;
+/// use jrdb_types::{FrameId, Image};
+///
+/// let id = FrameId { sequence: "lab".into(), frame: 0 };
+/// let frame = Frame::new(id, Image::filled(3760, 480, [90; 3]), Vec::new());
+/// assert_eq!(frame.images.len(), 1);
+/// ```
+#[derive(Debug, Default)]
+#[non_exhaustive]
+pub struct Frame {
+    /// Which frame.
+    pub id: FrameId,
+    /// Images, each from one camera. The pipeline uses the first.
+    pub images: Vec<CameraImage>,
     /// One sweep per LiDAR, in the sensors' frames.
-    pub clouds: Vec<PointCloud>,
-    /// The sensors and their mounts.
-    pub robot: Arc<Robot>,
-    /// What of the sweeps is missing.
-    pub cloud_issues: Vec<Issue>,
-    /// How things move, where that is known.
-    pub motions: Motions,
+    pub sweeps: Vec<PointCloud>,
+    /// What is missing of the sweeps.
+    pub issues: Vec<Issue>,
 }
 
-/// A question, what it was read as, and what was answered.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Asked {
-    /// The question, with its truth where there is one.
-    pub question: Question,
-    /// What it was read as.
-    pub query: Query,
-    /// The answer.
-    pub answer: Answer,
+impl Frame {
+    /// A frame with one image and some sweeps.
+    #[must_use]
+    pub fn new(id: FrameId, image: Image, sweeps: Vec<PointCloud>) -> Self {
+        Self { id, images: vec![CameraImage::ready(image)], sweeps, issues: Vec::new() }
+    }
+
+    /// A frame without an image: perception must not need one.
+    #[must_use]
+    pub fn without_image(id: FrameId, sweeps: Vec<PointCloud>) -> Self {
+        Self { id, sweeps, ..Self::default() }
+    }
+
+    /// Decodes all images now, so that trouble with them is known.
+    pub fn decode(&self) {
+        for image in &self.images {
+            let _ = image.pixels();
+        }
+    }
+
+    /// The pixels of the first image, decoded now if they have not been; `None` when there are none.
+    #[must_use]
+    pub fn pixels(&self) -> Option<&Image> {
+        self.images.first().and_then(|image| image.pixels().ok())
+    }
 }
 
-/// Every stage's output for one frame.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FrameOutput {
-    /// Perception's.
-    pub detections: Detections,
-    /// Projection's.
-    pub entities: Entities,
-    /// The graph stage's.
-    pub graph: SceneGraph,
-    /// Search's, one per question.
-    pub asked: Vec<Asked>,
+type Load = Box<dyn Fn() -> Result<Image, Issue> + Send + Sync>;
+
+/// One camera's image, decoded when it is first needed.
+pub struct CameraImage {
+    /// Which camera of the rig; the camera in use when absent.
+    pub camera: Option<String>,
+    decoded: OnceLock<Result<Image, Issue>>,
+    load: Load,
 }
 
-/// Projects detections with sweeps and what was missing of them, which comes first among the issues.
-///
-/// # Errors
-/// When the detections do not fit the rig.
-pub fn place(
-    detections: &Detections,
-    (clouds, cloud_issues): (&[PointCloud], &[Issue]),
-    (robot, motions): (&Robot, &Motions),
-    config: &PipelineConfig,
-) -> Result<Entities, Error> {
-    let fail = |source| Error::Projection { frame: detections.frame.to_string(), source };
-    let scan = Scan {
-        camera: robot.camera.as_deref(),
-        floor: floor(clouds, robot, &config.floor),
-        motions: Some(motions),
-        ..Scan::new(clouds, &robot.rig)
-    };
-    let mut entities =
-        jrdb_projection::project(detections, &scan, &config.projection).map_err(fail)?;
-    entities.issues.splice(0..0, cloud_issues.iter().cloned());
-    Ok(entities)
+impl CameraImage {
+    /// An image that is there.
+    #[must_use]
+    pub fn ready(image: Image) -> Self {
+        Self::decoded(Ok(image))
+    }
+
+    /// An image that `load` reads when something needs its pixels, at most once.
+    #[must_use]
+    pub fn on_demand(load: impl Fn() -> Result<Image, Issue> + Send + Sync + 'static) -> Self {
+        Self { camera: None, decoded: OnceLock::new(), load: Box::new(load) }
+    }
+
+    /// An image that should be there and cannot be used.
+    #[must_use]
+    pub fn missing(why: Issue) -> Self {
+        Self::decoded(Err(why))
+    }
+
+    fn decoded(pixels: Result<Image, Issue>) -> Self {
+        // Never called: the pixels are there.
+        let load = Box::new(|| Ok(Image::filled(0, 0, [0; 3])));
+        Self { camera: None, decoded: OnceLock::from(pixels), load }
+    }
+
+    /// The pixels.
+    ///
+    /// # Errors
+    /// The issue that says why there are none.
+    pub fn pixels(&self) -> Result<&Image, &Issue> {
+        self.decoded.get_or_init(&self.load).as_ref()
+    }
+
+    /// Why there are no pixels, as far as that is known without decoding.
+    #[must_use]
+    pub fn known_issue(&self) -> Option<&Issue> {
+        self.decoded.get().and_then(|decoded| decoded.as_ref().err())
+    }
 }
 
-/// The floor under the robot, where enough of it is seen.
-fn floor(clouds: &[PointCloud], robot: &Robot, config: &FloorConfig) -> Option<FloorPlane> {
-    let sensors = Sensors::new(&robot.rig, robot.camera.as_deref()).ok()?;
-    let cloud = BaseCloud::merge(clouds, &sensors, &mut Vec::new());
-    let points: Vec<_> = (0..cloud.len()).map(|i| cloud.point(i)).collect();
-    let floor = jrdb_calibration::fit_floor(&points, config).ok()?;
-    let [x, y, z] = floor.normal;
-    Some(FloorPlane { height_m: floor.height_m, slope: [-x / z, -y / z] })
+impl fmt::Debug for CameraImage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let state = match self.decoded.get() {
+            Some(Ok(_)) => "decoded",
+            Some(Err(_)) => "missing",
+            None => "not decoded yet",
+        };
+        f.debug_struct("CameraImage").field("camera", &self.camera).field("pixels", &state).finish()
+    }
 }
 
-/// Projects, builds the graph, and answers every question.
-///
-/// # Errors
-/// When the detections do not fit the rig; everything else is an issue in the output.
-pub fn process(
-    input: &FrameInput,
-    questions: &[Question],
-    config: &PipelineConfig,
-) -> Result<FrameOutput, Error> {
-    let sweeps = (input.clouds.as_slice(), input.cloud_issues.as_slice());
-    let entities = place(&input.detections, sweeps, (&input.robot, &input.motions), config)?;
-    let graph = jrdb_graph::build(&entities, &config.graph);
-    let asked = ask(&graph, questions, config);
-    Ok(FrameOutput { detections: input.detections.clone(), entities, graph, asked })
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Answers every question that one frame can answer; those that speak of time are left to [`crate::recording`].
-fn ask(graph: &SceneGraph, questions: &[Question], config: &PipelineConfig) -> Vec<Asked> {
-    let read = questions.iter().map(|q| (q, read_or_report(&q.text, &config.parser)));
-    let of_now = read.filter(|(question, query)| !speaks_of_time(question, query));
-    of_now
-        .map(|(question, query)| {
-            let mut answer = jrdb_search::search(graph, &query, &config.search);
-            if config.sensitivity {
-                answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config.search);
-            }
-            Asked { question: question.clone(), query, answer }
-        })
-        .collect()
+    #[test]
+    fn an_image_is_decoded_when_it_is_needed_and_once() {
+        let count = Arc::new(AtomicUsize::new(0));
+        let counted = Arc::clone(&count);
+        let image = CameraImage::on_demand(move || {
+            counted.fetch_add(1, Ordering::Relaxed);
+            Ok(Image::filled(2, 1, [7; 3]))
+        });
+        assert!(image.known_issue().is_none() && count.load(Ordering::Relaxed) == 0);
+        assert!(image.pixels().is_ok() && image.pixels().is_ok());
+        assert_eq!(count.load(Ordering::Relaxed), 1);
+    }
 }

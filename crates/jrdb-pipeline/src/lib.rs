@@ -1,13 +1,22 @@
 #![doc = include_str!("../README.md")]
 
-pub mod frame;
-pub mod motion;
-pub mod query;
-pub mod robot;
-
+pub mod baseline;
+mod config;
 mod error;
+mod frame;
+pub mod motion;
+mod pipeline;
+pub mod query;
+mod recording;
+mod robot;
+mod scene;
+pub mod stream;
 
-pub use error::{Error, with_causes};
-pub use frame::{Asked, FrameInput, FrameOutput, PipelineConfig, process};
+pub use config::PipelineConfig;
+pub use error::Error;
+pub use frame::{CameraImage, Frame};
+pub use pipeline::{Pipeline, PlacedFrame};
 pub use query::read_query;
+pub use recording::Recording;
 pub use robot::Robot;
+pub use scene::Scene;

@@ -28,7 +28,7 @@ pub struct BaseCloud {
 impl BaseCloud {
     /// Merges sweeps, in the order given, and finds the pixel of every point.
     ///
-    /// A sweep of a LiDAR that the rig does not know is left out and pushed to `issues`.
+    /// A sweep without points is named in `issues`; so is one of a LiDAR that the rig does not know, which is left out.
     #[must_use]
     pub fn merge(clouds: &[PointCloud], sensors: &Sensors, issues: &mut Vec<Issue>) -> Self {
         let mut merged = Self::default();
@@ -38,6 +38,10 @@ impl BaseCloud {
 
     /// [`BaseCloud::merge`] into a cloud whose memory is used again: what a stream of frames wants.
     pub fn refill(&mut self, clouds: &[PointCloud], sensors: &Sensors, issues: &mut Vec<Issue>) {
+        tracing::trace!(target: "jrdb::merge", sweeps = clouds.len());
+        let empty = clouds.iter().filter(|cloud| cloud.is_empty());
+        let message = |cloud: &PointCloud| format!("the sweep of {:?} has no points", cloud.sensor);
+        issues.extend(empty.map(|cloud| Issue::new(IssueKind::MissingInput, message(cloud))));
         let placed: Vec<(&PointCloud, &Isometry3<f64>)> =
             clouds.iter().filter_map(|cloud| place(cloud, sensors, issues)).collect();
         let total = placed.iter().map(|(cloud, _)| cloud.len()).sum();

@@ -4,41 +4,21 @@ use std::collections::BTreeMap;
 
 use jrdb_types::entity::FloorContact;
 use jrdb_types::issue::IssueKind;
-use jrdb_types::vocab::PlacementQuality;
 use jrdb_types::{
     Box3d, Detection, Detections, Entities, Entity, EntityId, FloorPlane, Heading, ImageGeometry,
     Issue, Localizer, PixelBox, PointCloud, Position, Rig, detection::PERSON,
 };
-use nalgebra::Point3;
 
 use crate::box_view::BoxView;
 use crate::heading::motion::Motion;
-use crate::localize::{self, Located, densest_range::Target};
 use crate::person_box::{box_around, person_box};
-use crate::quality::{Depths, quality};
+use crate::place::{Placement, Space, Spot, place};
 use crate::relation::occlusion::Silhouette;
 use crate::relation::{Thing, between_all, relate};
-use crate::select::points_in_boxes;
-use crate::{BaseCloud, CameraModel, ProjectionConfig, RigError, Sensors, heading, relation};
+use crate::{BaseCloud, CameraModel, Error, ProjectionConfig, Sensors, heading, relation};
 
-/// Why a frame cannot be projected at all.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The detections were made on an image of another size than the rig's.
-    #[error(
-        "expected detections on a {expected_px:?} px image as the rig has, found {found_px:?} px"
-    )]
-    ImageSize {
-        /// Columns and rows of the rig's camera.
-        expected_px: [u32; 2],
-        /// Columns and rows of the image of the detections.
-        found_px: [u32; 2],
-    },
-    /// The rig is unusable.
-    #[error("the rig is unusable")]
-    Rig(#[from] RigError),
-}
+/// How things move, by id; in a frame at rest with the axes of the base frame.
+pub type Motions = BTreeMap<EntityId, Motion>;
 
 /// What the robot knows of a frame besides the detections.
 #[derive(Debug, Clone, Copy)]
@@ -51,8 +31,8 @@ pub struct Scan<'a> {
     pub camera: Option<&'a str>,
     /// The floor, where it is known.
     pub floor: Option<FloorPlane>,
-    /// How things move, where that is known; in a frame at rest with the axes of the base frame.
-    pub motions: Option<&'a BTreeMap<EntityId, Motion>>,
+    /// How things move, where that is known.
+    pub motions: Option<&'a Motions>,
 }
 
 impl<'a> Scan<'a> {
@@ -65,7 +45,9 @@ impl<'a> Scan<'a> {
 
 /// Places every detection in space and relates every pair of placed ones.
 ///
-/// A detection without points keeps its place in the list, without a position and with an issue.
+/// A detection without points keeps its place in the list, without a position and with an issue. Where
+/// many frames share a rig, or a frame's points are needed elsewhere, [`crate::place`] and [`entities`]
+/// do the same with sensors and points that are prepared once.
 ///
 /// # Errors
 /// [`Error::ImageSize`] and [`Error::Rig`]; everything else is an issue in the result.
@@ -75,28 +57,40 @@ pub fn project(
     config: &ProjectionConfig,
 ) -> Result<Entities, Error> {
     let sensors = Sensors::new(scan.rig, scan.camera)?;
-    let image = sensors.camera.image();
-    let expected_px = [image.width_px, image.height_px];
-    let found_px = [detections.image.width_px, detections.image.height_px];
-    if expected_px != found_px {
-        return Err(Error::ImageSize { expected_px, found_px });
-    }
-    let empty = scan.clouds.iter().filter(|cloud| cloud.is_empty());
-    let message = |cloud: &PointCloud| format!("the sweep of {:?} has no points", cloud.sensor);
-    let mut issues: Vec<Issue> =
-        empty.map(|cloud| Issue::new(IssueKind::MissingInput, message(cloud))).collect();
+    let mut issues = Vec::new();
     let cloud = BaseCloud::merge(scan.clouds, &sensors, &mut issues);
-    let boxes: Vec<_> = detections.detections.iter().map(|d| d.bbox).collect();
-    let inside = points_in_boxes(&cloud, &boxes, image);
-    let frame = Frame { cloud: &cloud, camera: &sensors.camera, scan, config };
-    let all = detections.detections.iter().zip(&inside);
-    let placed: Vec<Placed> = all.map(|(d, inside)| frame.place(d, inside, &mut issues)).collect();
+    let space = Space { cloud: &cloud, sensors: &sensors, floor: scan.floor };
+    let placements = place(detections, &space, config)?;
+    let nothing = Motions::new();
+    let motions = scan.motions.unwrap_or(&nothing);
+    let mut found = entities(detections, placements, &space, motions, config);
+    found.issues.splice(0..0, issues);
+    Ok(found)
+}
+
+/// Entities and the relations of every pair of them, from detections whose places are known.
+///
+/// `placements` are those of [`crate::place`] for the same detections and points. `motions` may be empty.
+#[must_use]
+pub fn entities(
+    detections: &Detections,
+    placements: Vec<Placement>,
+    space: &Space<'_>,
+    motions: &Motions,
+    config: &ProjectionConfig,
+) -> Entities {
+    let mut issues = Vec::new();
+    let frame = Frame { space, motions, config };
+    let all = detections.detections.iter().zip(placements);
+    let placed: Vec<Placed> =
+        all.map(|(detection, place)| frame.placed(detection, place, &mut issues)).collect();
     let things: Vec<Thing<'_>> = placed.iter().filter_map(Placed::thing).collect();
+    let image = space.sensors.camera.image();
     let relations = relate(&things, image, config.lateral, &config.relation);
     let between = between_all(&things, &config.relation);
     let frame = detections.frame.clone();
     let entities = placed.into_iter().map(|placed| placed.entity).collect();
-    Ok(Entities { frame, lateral: config.lateral, entities, relations, between, issues })
+    Entities { frame, lateral: config.lateral, entities, relations, between, issues }
 }
 
 /// An entity and its points.
@@ -124,38 +118,23 @@ impl Placed {
     }
 }
 
-/// A centre, the box around it, and the points that tell them.
-struct Place {
-    position: Position,
-    box3d: Option<Box3d>,
-    heading: Option<Heading>,
-    own: Vec<u32>,
-    up_to_it: Vec<u32>,
-}
-
 struct Frame<'a> {
-    cloud: &'a BaseCloud,
-    camera: &'a dyn CameraModel,
-    scan: &'a Scan<'a>,
+    space: &'a Space<'a>,
+    motions: &'a Motions,
     config: &'a ProjectionConfig,
 }
 
 impl Frame<'_> {
-    fn place(&self, detection: &Detection, inside: &[u32], issues: &mut Vec<Issue>) -> Placed {
-        let view = BoxView::new(&detection.bbox, self.camera);
-        let motion = self.scan.motions.and_then(|motions| motions.get(&detection.id));
-        let place = match self.config.localizer {
-            Localizer::Given => self.given(detection, inside, motion),
-            Localizer::Mean | Localizer::DensestRange => {
-                self.by_points(detection, inside, view, motion)
-            }
-        };
-        let position = place.as_ref().map(|place| place.position);
-        // Without a place only a label or motion can tell a heading.
-        let heading = place.as_ref().map_or_else(
-            || heading::heading(detection, None, motion, (self.cloud, &[]), &self.config.heading),
-            |place| place.heading,
-        );
+    fn placed(
+        &self,
+        detection: &Detection,
+        Placement(spot): Placement,
+        issues: &mut Vec<Issue>,
+    ) -> Placed {
+        let view = BoxView::new(&detection.bbox, &self.space.sensors.camera);
+        let motion = self.motions.get(&detection.id);
+        let heading = self.heading(detection, spot.as_ref(), motion);
+        let position = spot.as_ref().map(|spot| spot.position);
         let entity = Entity {
             id: detection.id.clone(),
             category: detection.category.clone(),
@@ -166,7 +145,7 @@ impl Frame<'_> {
             group: detection.group,
             occlusion: detection.occlusion,
             position,
-            box3d: place.as_ref().and_then(|place| place.box3d),
+            box3d: spot.as_ref().and_then(|spot| self.box3d(detection, spot, view, heading)),
             heading,
             velocity_mps: motion.map(|motion| motion.velocity_mps),
             floor: position.zip(view).and_then(|(position, view)| self.floor(&position, &view)),
@@ -174,90 +153,44 @@ impl Frame<'_> {
                 .map(|p| relation::from_robot(&p.center.into(), self.config.lateral)),
         };
         self.report(&entity, issues);
-        let (own, up_to_it) = place.map_or_else(Default::default, |p| (p.own, p.up_to_it));
+        let (own, up_to_it) = spot.map_or_else(Default::default, |spot| (spot.own, spot.up_to_it));
         Placed { entity, own, up_to_it }
     }
 
-    fn by_points(
+    /// Without a place only a label or motion can tell a heading.
+    fn heading(
         &self,
         detection: &Detection,
-        inside: &[u32],
-        view: Option<BoxView>,
+        spot: Option<&Spot>,
         motion: Option<&Motion>,
-    ) -> Option<Place> {
-        let is_person = detection.category == PERSON;
-        let (cloud, config) = (self.cloud, self.config);
-        let (bbox, image) = (&detection.bbox, self.camera.image());
-        let Located { center, used } = match config.localizer {
-            Localizer::Mean => localize::mean(cloud, inside),
-            _ => {
-                let target = Target { bbox, image, view, is_person };
-                localize::densest_range(cloud, inside, &target, config)
-            }
-        }?;
-        let heading =
-            heading::heading(detection, Some(&center), motion, (cloud, &used), &config.heading);
-        let heading_rad = heading.map(|heading| heading.angle_rad);
-        let person = view.filter(|_| is_person);
-        let box3d = match person {
-            Some(view) => Some(person_box(&center, &view, heading_rad, config)),
-            None if is_person => None,
-            None => box_around(&used, cloud, &center, config),
-        };
-        // The mean is the paper's own centre; the median height of a few rings is not a person's middle.
-        let center = match (config.localizer, box3d) {
-            (Localizer::DensestRange, Some(box3d)) if is_person => box3d.center,
-            _ => center.into(),
-        };
-        let ranges = used.iter().map(|&i| cloud.point(i as usize).coords.xy().norm());
-        let range_m =
-            ranges.fold([f64::INFINITY, 0.0], |[near, far], r| [near.min(r), f64::max(far, r)]);
-        let depths = Depths::new(cloud, inside, range_m);
-        let visible_fraction = depths.visible_fraction();
-        let position = Position {
-            center,
-            localizer: config.localizer,
-            points_in_box: inside.len(),
-            points_used: used.len(),
-            range_m,
-            visible_fraction,
-            quality: quality(used.len(), range_m, visible_fraction, person.as_ref(), config),
-        };
-        Some(Place { position, box3d, heading, own: used, up_to_it: depths.up_to_it })
+    ) -> Option<Heading> {
+        let center = spot.map(|spot| &spot.of_points);
+        let own = spot.map_or(&[][..], |spot| spot.own.as_slice());
+        heading::heading(detection, center, motion, (self.space.cloud, own), &self.config.heading)
     }
 
-    fn given(
+    fn box3d(
         &self,
         detection: &Detection,
-        inside: &[u32],
-        motion: Option<&Motion>,
-    ) -> Option<Place> {
-        let box3d = detection.box3d?;
-        let center = Point3::from(box3d.center);
-        let half_m = box3d.size[0].hypot(box3d.size[1]) / 2.0;
-        let middle_m = center.x.hypot(center.y);
-        let range_m = [(middle_m - half_m).max(0.0), middle_m + half_m];
-        let depths = Depths::new(self.cloud, inside, range_m);
-        let position = Position {
-            center: box3d.center,
-            localizer: Localizer::Given,
-            points_in_box: inside.len(),
-            points_used: 0,
-            range_m,
-            visible_fraction: depths.visible_fraction(),
-            quality: PlacementQuality::Good,
-        };
-        let points = (self.cloud, depths.own.as_slice());
-        let heading =
-            heading::heading(detection, Some(&center), motion, points, &self.config.heading);
-        let Depths { own, up_to_it } = depths;
-        Some(Place { position, box3d: Some(box3d), heading, own, up_to_it })
+        spot: &Spot,
+        view: Option<BoxView>,
+        heading: Option<Heading>,
+    ) -> Option<Box3d> {
+        let config = self.config;
+        if config.localizer == Localizer::Given {
+            return detection.box3d;
+        }
+        if detection.category != PERSON {
+            return box_around(&spot.own, self.space.cloud, &spot.of_points, config);
+        }
+        let heading_rad = heading.map(|heading| heading.angle_rad);
+        view.map(|view| person_box(&spot.of_points, &view, heading_rad, config))
     }
 
     fn floor(&self, position: &Position, view: &BoxView) -> Option<FloorContact> {
         let [x, y, _] = position.center;
         let [_, bottom] = view.heights_m(view.range_m(&position.center.into()));
-        let gap_m = bottom - self.scan.floor?.height_at_m(x, y);
+        let gap_m = bottom - self.space.floor?.height_at_m(x, y);
         let touches = gap_m.abs() <= self.config.floor_tolerance_m && !view.cut_off[1];
         Some(FloorContact { gap_m, touches })
     }
@@ -265,7 +198,7 @@ impl Frame<'_> {
     fn report(&self, entity: &Entity, issues: &mut Vec<Issue>) {
         let id = &entity.id;
         let few = self.config.few_points;
-        if let Some(wrong) = wrong_with(&entity.bbox, self.camera.image()) {
+        if let Some(wrong) = wrong_with(&entity.bbox, self.space.sensors.camera.image()) {
             issues.push(Issue::about(IssueKind::BadBox, id, wrong));
         }
         match entity.position {
@@ -303,7 +236,7 @@ fn wrong_with(bbox: &PixelBox, image: ImageGeometry) -> Option<&'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing;
+    use crate::{RigError, testing};
     use jrdb_types::FrameId;
 
     fn rig() -> Rig {

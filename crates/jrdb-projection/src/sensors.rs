@@ -59,6 +59,7 @@ impl Sensors {
     /// # Errors
     /// [`RigError`] says what is wrong with the description.
     pub fn new(rig: &Rig, camera: Option<&str>) -> Result<Self, RigError> {
+        tracing::trace!(target: "jrdb::resolve_rig", base = %rig.base);
         unique("camera", rig.cameras.iter().map(|camera| &camera.name))?;
         unique("lidar", rig.lidars.iter().map(|lidar| &lidar.name))?;
         let tree = FrameTree::new(&rig.base, &rig.transforms)?;

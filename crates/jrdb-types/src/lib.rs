@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod artefact;
+mod causes;
 pub mod detection;
 pub mod entity;
 pub mod geometry;
@@ -21,6 +22,7 @@ pub mod vocab;
 
 pub use answer::Answer;
 pub use artefact::{Artefact, ArtefactError, Payload};
+pub use causes::with_causes;
 pub use detection::{Attributes, Belief, Detection, Detections};
 pub use entity::{Entities, Entity, Heading, Localizer, PairRelation, Position, SpatialRelation};
 pub use geometry::{Box3d, FloorPlane, ImageGeometry, PixelBox};

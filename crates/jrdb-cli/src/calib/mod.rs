@@ -3,17 +3,17 @@
 mod words;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use jrdb_calibration::{Sweep, View};
-use jrdb_projection::Sensors;
+use jrdb_pipeline::Robot;
 use jrdb_projection::nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use jrdb_projection::sensors::RigCamera;
-use jrdb_types::{Image, PointCloud};
+use jrdb_types::{Image, PointCloud, with_causes};
 use serde::Serialize;
 
 use crate::Error;
 use crate::source::FrameSource;
-use jrdb_pipeline::with_causes;
 
 pub use words::{fit_text, floor_lines, refinement_text, tilted_more, verdict_words};
 
@@ -101,8 +101,8 @@ pub fn base_sweeps(clouds: &[PointCloud], mounts: &Mounts) -> Vec<BaseSweep> {
 pub struct CalibFrame {
     /// Name of the frame.
     pub name: String,
-    /// The camera.
-    pub camera: RigCamera,
+    /// The sensors as calibrated.
+    pub robot: Arc<Robot>,
     /// The image.
     pub image: Image,
     /// One sweep per LiDAR, in the sensors' frames.
@@ -127,11 +127,15 @@ impl CalibFrame {
         if clouds.is_empty() {
             return Err(fail(&format!("expected a cloud, found none: {}", notes.join("; "))));
         }
-        let robot = &frame.robot;
-        let sensors =
-            Sensors::new(&robot.rig, robot.camera.as_deref()).map_err(jrdb_pipeline::Error::Rig)?;
-        let Sensors { camera, lidars: mounts } = sensors;
-        Ok(Self { name, camera, image, clouds, mounts, notes })
+        let robot = frame.robot.clone();
+        let mounts = robot.sensors().lidars.clone();
+        Ok(Self { name, robot, image, clouds, mounts, notes })
+    }
+
+    /// The camera in use.
+    #[must_use]
+    pub fn camera(&self) -> &RigCamera {
+        &self.robot.sensors().camera
     }
 }
 
@@ -151,7 +155,7 @@ pub fn with_views<T>(
     let views: Vec<View<'_>> = frames
         .iter()
         .zip(&sweeps)
-        .map(|(frame, sweeps)| View { camera: &frame.camera, image: &frame.image, sweeps })
+        .map(|(frame, sweeps)| View { camera: frame.camera(), image: &frame.image, sweeps })
         .collect();
     work(&views).map_err(|error| Error::Usage(with_causes(&error)))
 }

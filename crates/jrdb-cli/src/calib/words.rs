@@ -7,7 +7,7 @@ use jrdb_calibration::{
 use jrdb_projection::nalgebra::Point3;
 
 use super::BaseSweep;
-use jrdb_pipeline::with_causes;
+use jrdb_types::with_causes;
 
 /// A floor's tilt that grows by less is no sign of anything, degrees: the floors that two well mounted LiDARs see in
 /// one real frame differ by as much.

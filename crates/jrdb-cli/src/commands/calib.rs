@@ -230,7 +230,7 @@ fn draw(job: &Job, out: &Path, words: &str, corrections: &[(String, Motion)]) ->
         }
         // The letters of pictures are ASCII.
         let title = format!("{}: {}", frame.name, words.replace('°', " deg"));
-        let overlay = Overlay { title: &title, image: &frame.image, camera: &frame.camera };
+        let overlay = Overlay { title: &title, image: &frame.image, camera: frame.camera() };
         let picture = draw_overlay(&overlay, &strips);
         let name = match job.frames.len() {
             1 => "overlay.png".into(),

@@ -2,16 +2,18 @@
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use anyhow::Result;
 use clap::Args;
 use jrdb_cli::Error;
-use jrdb_cli::perceive::Perceiver;
 use jrdb_cli::source::{FrameSource, list_frames};
 use jrdb_dataset::PngCompression;
+use jrdb_models::Perception;
 use jrdb_perception::crop::crop;
 use jrdb_perception::exchange::{Exchange, FIND, Request};
 use jrdb_perception::vlm::Topic;
+use jrdb_pipeline::Pipeline;
 use jrdb_types::{FrameId, Image};
 
 use super::run::{PerceptionArgs, SourceArgs};
@@ -40,16 +42,14 @@ pub(crate) struct ExchangeArgs {
 pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
     let source = &args.source;
     let frames = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
-    let perception = &args.perception;
-    let engine = perception.engine();
-    let perceiver = Perceiver::open(&perception.source(), &frames, &perception.models, &engine)?;
-    perceiver.notes().iter().for_each(|note| eprintln!("{note}"));
+    let perception = Arc::new(args.perception.open(&frames)?);
+    perception.notes().iter().for_each(|note| eprintln!("{note}"));
     let mut lines = Vec::new();
     for frame in &frames {
         lines.extend(if args.find {
             find(frame, &args.out)?
         } else {
-            of(frame, &perceiver, args)?
+            of(frame, &perception, args)?
         });
     }
     let mut text = String::new();
@@ -87,13 +87,14 @@ fn find(frame: &FrameSource, out: &Path) -> Result<Vec<Exchange>, Error> {
 /// Records what perception gives, and asks for what it does not know of people.
 fn of(
     frame: &FrameSource,
-    perceiver: &Perceiver,
+    perception: &Arc<Perception>,
     args: &ExchangeArgs,
 ) -> Result<Vec<Exchange>, Error> {
-    let image = frame.image();
-    let detections = perceiver.detect(frame, &image)?;
+    let (robot, shared) = (frame.robot.clone(), perception.clone());
+    let read = frame.image_only();
+    let detections = Pipeline::sharing(robot, shared, Arc::default()).perceive(&read)?;
     let mut lines = Exchange::record(&detections, &Topic::ALL);
-    let Ok(image) = image else { return Ok(lines) };
+    let Some(image) = read.pixels() else { return Ok(lines) };
     let mut last = None;
     let mut number = 0;
     for line in lines.iter_mut().filter(|line| line.reply.is_none()) {
@@ -102,7 +103,7 @@ fn of(
             (last, number) = (Some(bbox), number + 1);
         }
         let name = format!("{}_{number:03}.png", stem(&frame.id));
-        if let Some(cut) = crop(&image, &bbox, args.margin, frame.robot.image.wraps) {
+        if let Some(cut) = crop(image, &bbox, args.margin, frame.robot.image().wraps) {
             picture(&args.out.join(&name), &cut)?;
             line.request.image = Some(name);
         }

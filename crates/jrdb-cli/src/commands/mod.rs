@@ -3,6 +3,7 @@
 mod calib;
 mod exchange;
 mod models;
+mod progress;
 mod question;
 mod rig;
 mod run;

@@ -7,21 +7,24 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::{Args, Subcommand};
 use jrdb_cli::Error;
-use jrdb_cli::perceive::{Perceiver, PerceptionSource};
-use jrdb_cli::source::list_frames;
+use jrdb_cli::source::{list_frames, open_perception};
+use jrdb_models::backbone::{Backbone, DetectorFiles};
 use jrdb_models::catalogue::{Manifest, Model, State};
+use jrdb_models::demographics::Demographics;
 use jrdb_models::fetch::{FetchOptions, Outcome, fetch};
-use jrdb_models::light::{self, Demographics};
 use jrdb_models::loader::EngineOptions;
 use jrdb_models::quality::{Frame, quality};
 use jrdb_models::trial;
-use jrdb_perception::{Detector, PairConfig};
-use jrdb_pipeline::with_causes;
+use jrdb_models::{PerceptionOptions, PerceptionSource};
+use jrdb_perception::{Perceive, View};
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detections, PixelBox};
+use jrdb_types::{Detections, PixelBox, with_causes};
 
 use super::run::{EngineArg, SourceArgs};
 use super::say;
+
+/// The backbone that `check` counts with.
+const LIGHT: &str = "light";
 
 #[derive(Debug, Args)]
 pub(crate) struct ModelsArgs {
@@ -175,26 +178,31 @@ fn check_on_frames(args: &CheckArgs) -> Result<ExitCode> {
     let (source, models, engine) = (&args.source, &args.folder.models, args.engine());
     let sources = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
     let truth = args.truth.clone().map_or(PerceptionSource::Labels, PerceptionSource::File);
-    let truth = Perceiver::open(&truth, &sources, models, &engine)?;
-    let every = PairConfig { min_score: 0.0, ..PairConfig::default() };
-    let (every, note) = light::detector(models, &engine, every).map_err(Error::from)?;
-    let usual =
-        Perceiver::open(&PerceptionSource::Light(Demographics::None), &sources, models, &engine)?;
-    eprintln!("{note}");
+    let truth = open_perception(&truth, &sources, &engine, Demographics::None)?;
+    let mut options = PerceptionOptions::models(models);
+    (options.engine, options.demographics) = (engine, Demographics::None);
+    let mut light = Backbone::named(LIGHT, models).map_err(Error::from)?;
+    let usual = light.open(LIGHT, &options).map_err(Error::from)?;
+    usual.notes.iter().for_each(|note| eprintln!("{note}"));
+    if let DetectorFiles::Pair(files) = &mut light.detector {
+        files.settings.min_score = 0.0;
+    }
+    let every = light.open(LIGHT, &options).map_err(Error::from)?.models.detector;
     let mut frames = Vec::new();
     let mut least_ms = f64::INFINITY;
     for source in &sources {
         let image = source.image();
         let pixels = image.as_ref().map_err(|issue| Error::Usage(issue.message.clone()))?;
         let found = every.detect(pixels, &source.id).map_err(Error::from)?;
-        let there = truth.detect(source, &image)?;
+        let view = View { geometry: source.robot.image(), image: Some(pixels) };
+        let there = truth.perceive(&source.id, &view).map_err(Error::from)?;
         let boxes = people(&there).into_iter().map(|(bbox, _)| bbox).collect();
         frames.push(Frame { truth: boxes, found: people(&found) });
         let start = Instant::now();
-        usual.detect(source, &image)?;
+        usual.models.perceive(&source.id, &view).map_err(Error::from)?;
         least_ms = least_ms.min(start.elapsed().as_secs_f64() * 1e3);
     }
-    say(&quality(&frames, sources[0].robot.image.period_px()).text())?;
+    say(&quality(&frames, sources[0].robot.image().period_px()).text())?;
     let memory =
         trial::peak_memory_mb().map_or(String::new(), |mb| format!(", {mb:.0} MB at most"));
     say(&format!(

@@ -49,7 +49,7 @@ enum Kind {
 pub(crate) fn rig(args: &RigArgs) -> Result<ExitCode> {
     let found = read(args)?;
     let robot = Robot::new(found, None)?;
-    let Rig { base, transforms, cameras, lidars } = &robot.rig;
+    let Rig { base, transforms, cameras, lidars } = robot.rig();
     let camera = |c: &jrdb_types::Camera| {
         let image = c.lens.image();
         format!(
@@ -61,7 +61,7 @@ pub(crate) fn rig(args: &RigArgs) -> Result<ExitCode> {
     let head = format!("base {base}, {} transforms", transforms.len());
     let lines = cameras.iter().map(camera).chain(lidars.iter().map(lidar));
     let summary = std::iter::once(head).chain(lines).collect::<Vec<_>>().join("\n");
-    args.output.give(json!({}), &robot.rig, &summary)
+    args.output.give(json!({}), robot.rig(), &summary)
 }
 
 fn read(args: &RigArgs) -> Result<Rig> {

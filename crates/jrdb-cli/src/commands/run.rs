@@ -1,23 +1,26 @@
 //! `jrdb run`.
 
-use std::ops::Range;
+use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use anyhow::Result;
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
-use jrdb_cli::perceive::PerceptionSource;
+use jrdb_cli::report::JsonReport;
 use jrdb_cli::report::{Detail, Telling};
-use jrdb_cli::source::{RigChoice, RobotOptions, Source};
-use jrdb_cli::{Error, RunOptions, report};
-use jrdb_models::light::Demographics;
+use jrdb_cli::run::FrameResult;
+use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, Source, open_perception};
+use jrdb_cli::{Error, Run, RunOptions, RunSummary, report};
+use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::{EngineChoice, EngineOptions};
 use jrdb_models::profile::Profile;
-use jrdb_pipeline::{PipelineConfig, read_query, with_causes};
+use jrdb_models::{Perception, PerceptionSource};
+use jrdb_pipeline::{PipelineConfig, read_query};
 use jrdb_types::score::IouKind;
 use jrdb_types::{LateralConvention, Localizer};
 
+use super::progress::Progress;
 use super::question::{AnswerArgs, ReadingArgs};
 use super::{Format, say};
 
@@ -117,11 +120,8 @@ pub(crate) struct PerceptionArgs {
 }
 
 impl PerceptionArgs {
-    pub(crate) fn source(&self) -> PerceptionSource {
-        match &self.perception {
-            PerceptionSource::Light(_) => PerceptionSource::Light(self.demographics.into()),
-            other => other.clone(),
-        }
+    pub(crate) fn open(&self, frames: &[FrameSource]) -> Result<Perception, Error> {
+        open_perception(&self.perception, frames, &self.engine(), self.demographics.into())
     }
 
     pub(crate) fn engine(&self) -> EngineOptions {
@@ -296,19 +296,18 @@ impl RunArgs {
         self.iou.apply(&mut config);
         self.answers.apply(&mut config);
         config.parser = self.reading.config();
-        for query in &self.query {
-            read_query(query, &config.parser)?;
-        }
+        let read = |text: &String| read_query(text, &config.parser).map(Arc::new);
+        let queries = self.query.iter().map(read).collect::<Result<_, _>>()?;
         Ok(RunOptions {
             sources: self.source.sources()?,
             robot: self.source.robot(),
             frames: self.source.frames.clone(),
-            perception: self.perception.source(),
-            models: self.perception.models.clone(),
+            perception: self.perception.perception.clone(),
+            demographics: self.perception.demographics.into(),
             engine: self.perception.engine(),
             robot_stands: self.robot_stands,
             baseline: self.baseline,
-            queries: self.query.clone(),
+            queries,
             questions: self.questions.clone(),
             config,
             threads: self.threads.map(usize::from),
@@ -327,25 +326,77 @@ pub(crate) fn tell_profile(engine: &EngineOptions) {
 
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let options = args.options()?;
-    // Drawn on stderr, and only when that is a terminal.
-    let style = ProgressStyle::with_template("{spinner} {pos} frames, {per_sec}")
-        .unwrap_or_else(|_| ProgressStyle::default_spinner());
-    let progress = ProgressBar::new_spinner().with_style(style);
-    let result = jrdb_cli::run(&options, &|| progress.inc(1))?;
-    progress.finish_and_clear();
+    let run = Run::open(&options)?;
+    let progress = Progress::new("frames", run.frame_count());
+    let mut printer = Printer::new(args, &options.config);
+    printer.notes(run.notes())?;
+    let mut failed = None;
+    let summary = run.execute(|result| {
+        let printed = progress.suspend(|| printer.frame(&result));
+        progress.advance();
+        match printed {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                failed = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    })?;
+    progress.finish();
     tell_profile(&options.engine);
-    match args.format {
-        Format::Text => say(&report::text(&result, &args.telling()))?,
-        Format::Json => say(&report::json(&result, &options.config))?,
+    if let Some(error) = failed {
+        return Err(error);
     }
+    printer.end(&summary)?;
     if let (Format::Text, Some(out)) = (args.format, &args.out) {
         say(&format!("answers and pictures are in {}\n", out.display()))?;
     }
-    for frame in &result.frames {
-        if let Err(error) = &frame.output {
-            eprintln!("error: {}: {}", frame.id, with_causes(error));
+    for (frame, error) in &summary.failures {
+        eprintln!("error: {frame}: {error}");
+    }
+    Ok(ExitCode::from(u8::from(!summary.failures.is_empty())))
+}
+
+/// Prints results as they come.
+enum Printer<'a> {
+    Text(Telling),
+    Json(JsonReport, &'a PipelineConfig),
+}
+
+impl<'a> Printer<'a> {
+    fn new(args: &RunArgs, config: &'a PipelineConfig) -> Self {
+        match args.format {
+            Format::Text => Self::Text(args.telling()),
+            Format::Json => Self::Json(JsonReport::default(), config),
         }
     }
-    let failed = result.frames.iter().any(|frame| frame.output.is_err());
-    Ok(ExitCode::from(u8::from(failed)))
+
+    fn notes(&self, notes: &[String]) -> Result<()> {
+        match self {
+            Self::Text(_) => notes.iter().try_for_each(|note| say(&format!("{note}\n"))),
+            Self::Json(..) => Ok(()),
+        }
+    }
+
+    fn frame(&mut self, result: &FrameResult) -> Result<()> {
+        match self {
+            Self::Text(telling) => say(&report::frame(result, telling)),
+            Self::Json(report, config) => {
+                let answered = result.output.iter().flat_map(|output| &output.answered);
+                answered.map(|one| report.answer(&one.answer, config)).try_for_each(|t| say(&t))
+            }
+        }
+    }
+
+    fn end(self, summary: &RunSummary) -> Result<()> {
+        match self {
+            Self::Text(telling) => say(&report::summary(summary, &telling)),
+            Self::Json(mut report, config) => {
+                for answered in &summary.recordings {
+                    say(&report.answer(&answered.answer, config))?;
+                }
+                say(&report.end(summary, config))
+            }
+        }
+    }
 }

@@ -2,17 +2,17 @@
 
 use std::path::PathBuf;
 use std::process::ExitCode;
+use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use clap::Args;
 use jrdb_cli::output::{read_artefact, write_artefact};
-use jrdb_cli::perceive::Perceiver;
 use jrdb_cli::source::{FrameSource, Source, list_frames};
 use jrdb_cli::{Error, report};
 use jrdb_metrics::Outcome;
 use jrdb_parser::notation;
-use jrdb_pipeline::motion::Motions;
-use jrdb_pipeline::{PipelineConfig, frame::place, read_query};
+use jrdb_perception::{KnownDetections, Perceive};
+use jrdb_pipeline::{Pipeline, PipelineConfig, read_query};
 use jrdb_search::Pooling;
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
@@ -62,21 +62,22 @@ pub(crate) struct PerceiveArgs {
 
 pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
     let frame = only_frame(&args.source)?;
-    let (source, engine) = (args.perception.source(), args.perception.engine());
-    let frames = [frame];
-    let perceiver = Perceiver::open(&source, &frames, &args.perception.models, &engine)?;
-    for note in perceiver.notes() {
+    let perception = Arc::new(args.perception.open(std::slice::from_ref(&frame))?);
+    for note in perception.notes() {
         eprintln!("{note}");
     }
-    let [frame] = frames;
-    let detections = perceiver.detect(&frame, &frame.image())?;
-    super::run::tell_profile(&engine);
+    let (robot, shared) = (frame.robot.clone(), perception.clone());
+    let read = frame.image_only();
+    // Decoded even where perception does not look at it: trouble with it is worth knowing.
+    read.decode();
+    let detections = Pipeline::sharing(robot, shared, Arc::default()).perceive(&read)?;
+    super::run::tell_profile(&args.perception.engine());
     let lines = detections.detections.iter().map(|d| {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
     });
     let summary = lines.chain(report::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
-    args.output.give(perceiver.config().clone(), &detections, &summary)
+    args.output.give(perception.config(), &detections, &summary)
 }
 
 fn only_frame(source: &SourceArgs) -> Result<FrameSource> {
@@ -117,9 +118,10 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
     )?;
     let mut config = PipelineConfig::default();
     args.projection.apply(&mut config);
-    let (clouds, cloud_issues) = frames[0].clouds();
-    let entities =
-        place(&detections, (&clouds, &cloud_issues), (&frames[0].robot, &Motions::new()), &config)?;
+    let robot = frames[0].robot.clone();
+    let pipeline = Pipeline::new(robot, KnownDetections::default(), config);
+    let scene = pipeline.see_detections(frames[0].read(), detections)?;
+    let entities = scene.entities();
     let lines = entities.entities.iter().map(|e| match e.position {
         None => format!("{} nowhere", e.id),
         Some(p) => {
@@ -128,7 +130,7 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
         }
     });
     let summary = lines.chain(report::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
-    args.output.give(json!(config.projection), &entities, &summary)
+    args.output.give(json!(scene.config().projection), entities, &summary)
 }
 
 #[derive(Debug, Args)]

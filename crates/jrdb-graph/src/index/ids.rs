@@ -10,8 +10,8 @@ pub(super) const NOWHERE: u32 = u32::MAX;
 
 /// The nodes of one class: numbers of ids on one side, of nodes on the other.
 #[derive(Debug)]
-struct Class<'a> {
-    name: &'a str,
+struct Class {
+    name: String,
     /// Number of the class's first node.
     first: u32,
     /// The ids' numbers, ascending.
@@ -22,18 +22,19 @@ struct Class<'a> {
 
 /// Finds nodes by id.
 #[derive(Debug)]
-pub(super) struct Ids<'a> {
-    classes: Vec<Class<'a>>,
+pub(super) struct Ids {
+    classes: Vec<Class>,
 }
 
-impl<'a> Ids<'a> {
+impl Ids {
     /// Nodes in the order of their ids; of equal ids the first is found.
-    pub(super) fn new(nodes: impl Iterator<Item = &'a Node>) -> Self {
-        let mut classes: Vec<Class<'a>> = Vec::new();
+    pub(super) fn new<'a>(nodes: impl Iterator<Item = &'a Node>) -> Self {
+        let mut classes: Vec<Class> = Vec::new();
         for (node, number) in nodes.zip(0..) {
             let name = node.id.class.as_str();
             if classes.last().is_none_or(|class| class.name != name) {
-                classes.push(Class { name, first: number, numbers: Vec::new(), table: Vec::new() });
+                let (name, numbers, table) = (name.to_owned(), Vec::new(), Vec::new());
+                classes.push(Class { name, first: number, numbers, table });
             }
             if let Some(class) = classes.last_mut() {
                 class.numbers.push(node.id.number);
@@ -47,7 +48,8 @@ impl<'a> Ids<'a> {
     #[inline]
     pub(super) fn find(&self, id: &EntityId, hint: &mut usize) -> u32 {
         if self.classes.get(*hint).is_none_or(|class| class.name != id.class) {
-            let Ok(place) = self.classes.binary_search_by(|c| c.name.cmp(&id.class)) else {
+            let Ok(place) = self.classes.binary_search_by(|c| c.name.as_str().cmp(&id.class))
+            else {
                 return NOWHERE;
             };
             *hint = place;
@@ -56,7 +58,7 @@ impl<'a> Ids<'a> {
     }
 }
 
-impl Class<'_> {
+impl Class {
     fn make_table(&mut self) {
         let (Some(&low), Some(&high)) = (self.numbers.first(), self.numbers.last()) else { return };
         let spread = (high - low) as usize;

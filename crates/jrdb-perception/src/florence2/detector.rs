@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::said::{Said, said};
 use super::{Florence2, Task};
-use crate::detector::{Detector, PerceptionError, check_image};
+use crate::detector::{Detector, Grounder, PerceptionError, check_image};
 use crate::merge::Candidate;
 use crate::numbered::category;
 use crate::resize::Region;
@@ -98,29 +98,30 @@ impl Detector for FlorenceDetector {
         })
     }
 
-    /// Open-vocabulary detection of the sentence; what it means is taken for people.
-    fn ground(
-        &self,
-        image: &Image,
-        frame: &FrameId,
-        sentence: &str,
-    ) -> Result<Option<Detections>, PerceptionError> {
-        let sentence = sentence.trim_end_matches(['.', '?', '!']);
-        let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
-        let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
-        let found = self.config.tiles.sweep(image, frame, |tile| {
-            let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
-            Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
-        });
-        found.map(Some)
-    }
-
     fn config(&self) -> serde_json::Value {
         serde_json::json!({
             "detector": "florence2",
             "engine": self.model.engine_name(),
             "settings": self.config,
             "decode": self.model.config().decode,
+        })
+    }
+}
+
+impl Grounder for FlorenceDetector {
+    /// Open-vocabulary detection of the sentence; what it means is taken for people.
+    fn ground(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        sentence: &str,
+    ) -> Result<Detections, PerceptionError> {
+        let sentence = sentence.trim_end_matches(['.', '?', '!']);
+        let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
+        let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
+        self.config.tiles.sweep(image, frame, |tile| {
+            let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
+            Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
         })
     }
 }

@@ -5,7 +5,7 @@ use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
 use super::{GroundingConfig, GroundingDino};
-use crate::detector::{Detector, PerceptionError};
+use crate::detector::{Detector, Grounder, PerceptionError};
 use crate::merge::Candidate;
 use crate::numbered::category;
 use crate::sweep::SweepConfig;
@@ -89,24 +89,26 @@ impl Detector for GroundingDetector {
         self.config.tiles.sweep(image, frame, look)
     }
 
-    /// The sentence is one phrase; what it means is taken for people.
-    fn ground(
-        &self,
-        image: &Image,
-        frame: &FrameId,
-        sentence: &str,
-    ) -> Result<Option<Detections>, PerceptionError> {
-        let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
-        let ids = self.model.spell(&format!("{sentence}."))?;
-        let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
-        self.config.tiles.sweep(image, frame, look).map(Some)
-    }
-
     fn config(&self) -> serde_json::Value {
         serde_json::json!({
             "detector": "grounding_dino",
             "engine": self.model.engine_name(),
             "settings": self.config,
         })
+    }
+}
+
+impl Grounder for GroundingDetector {
+    /// The sentence is one phrase; what it means is taken for people.
+    fn ground(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        sentence: &str,
+    ) -> Result<Detections, PerceptionError> {
+        let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
+        let ids = self.model.spell(&format!("{sentence}."))?;
+        let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
+        self.config.tiles.sweep(image, frame, look)
     }
 }

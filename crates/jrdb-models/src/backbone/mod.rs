@@ -3,7 +3,10 @@
 //! A backbone is a JSON file in the models folder, `NAME.json`, that names folders with graphs and the files beside them. What
 //! `--perception NAME` means is all there; some are built in.
 
+mod light;
+
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use jrdb_perception::florence2::{
     DecoderParts, Florence2, Florence2Config, Florence2Parts, FlorenceDetector,
@@ -17,17 +20,25 @@ use jrdb_perception::tokens::Tokens;
 use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
-use jrdb_perception::{AttributeModel, Detector, Engine, PerceptionError};
+use jrdb_perception::{
+    AttributeModel, Detector, Engine, Grounder, Models, PerceptionError, SsdLiteConfig,
+};
 use serde::Deserialize;
 
 use crate::Error;
-use crate::loader::{EngineOptions, Loader};
+use crate::demographics::Demographics;
+use crate::loader::Loader;
+use crate::perception::PerceptionOptions;
+
+pub use light::{AppearanceFiles, PairFiles, SingleFile};
 
 /// Backbones that need no file of their own, only their models.
-const BUILT_IN: [(&str, &str); 3] = [
-    ("demo", include_str!("backbone/demo.json")),
-    ("florence2-internvl", include_str!("backbone/florence2-internvl.json")),
-    ("paper", include_str!("backbone/paper.json")),
+const BUILT_IN: [(&str, &str); 5] = [
+    ("demo", include_str!("demo.json")),
+    ("florence2-internvl", include_str!("florence2-internvl.json")),
+    ("light", include_str!("light.json")),
+    ("ssdlite", include_str!("ssdlite.json")),
+    ("paper", include_str!("paper.json")),
 ];
 
 /// A backbone as its file describes it.
@@ -63,6 +74,10 @@ pub enum DetectorFiles {
         #[serde(default)]
         settings: GroundingDetectorConfig,
     },
+    /// SSDLite: people.
+    Ssdlite(SingleFile<SsdLiteConfig>),
+    /// SSDLite and NanoDet as one detector of people and objects.
+    Pair(PairFiles),
 }
 
 /// An attribute model's files and settings.
@@ -86,6 +101,8 @@ pub enum AttributeFiles {
         #[serde(default)]
         settings: AttributeConfig,
     },
+    /// Colours and posture from the box, facing, gender and age from the face.
+    Appearance(AppearanceFiles),
 }
 
 /// Graphs of one model.
@@ -101,14 +118,10 @@ pub struct Graphs {
 
 /// A backbone whose models are loaded.
 pub struct Opened {
-    /// Finds people and things.
-    pub detector: Box<dyn Detector + Send + Sync>,
-    /// Describes people.
-    pub attributes: Option<Box<dyn AttributeModel + Send + Sync>>,
+    /// The models.
+    pub models: Models,
     /// What the user should know.
     pub notes: Vec<String>,
-    /// All that shapes the detections.
-    pub config: serde_json::Value,
 }
 
 /// The names of the backbones that are built in.
@@ -137,15 +150,18 @@ impl Backbone {
         serde_json::from_str(&text).map_err(wrong)
     }
 
-    /// The same models, looking at a picture as a single tile that does not wrap around.
+    /// The same models, looking at a picture as a single tile that does not wrap around; small models keep their tiles.
     #[must_use]
     pub fn one_tile(&self) -> Self {
         let mut single = self.clone();
-        let (DetectorFiles::Florence2 { settings: FlorenceDetectorConfig { tiles, .. }, .. }
-        | DetectorFiles::GroundingDino {
-            settings: GroundingDetectorConfig { tiles, .. }, ..
-        }) = &mut single.detector;
-        *tiles = SweepConfig::one_tile();
+        match &mut single.detector {
+            DetectorFiles::Florence2 { settings: FlorenceDetectorConfig { tiles, .. }, .. }
+            | DetectorFiles::GroundingDino {
+                settings: GroundingDetectorConfig { tiles, .. },
+                ..
+            } => *tiles = SweepConfig::one_tile(),
+            DetectorFiles::Ssdlite(_) | DetectorFiles::Pair(_) => {}
+        }
         single
     }
 
@@ -153,55 +169,74 @@ impl Backbone {
     ///
     /// # Errors
     /// When a file is missing or unusable; it is named.
-    pub fn open(&self, name: &str, models: &Path, engine: &EngineOptions) -> Result<Opened, Error> {
-        let loader = Loader::new(engine)?;
-        let detector = self.detector.open(models, &loader)?;
-        let attributes = match &self.attributes {
-            Some(files) => Some(files.open(models, &loader)?),
-            None => None,
-        };
-        let attribute_config = attributes.as_ref().map(VlmAttributes::config);
+    pub fn open(&self, name: &str, options: &PerceptionOptions) -> Result<Opened, Error> {
+        let folder = &options.engine.models;
+        let loader = Loader::new(&options.engine)?;
+        let mut notes = vec![format!("{name}: {}", self.about), loader.note().into()];
+        let (detector, grounder) = self.detector.open(folder, &loader)?;
+        let attributes = self.attributes.as_ref();
+        let attributes =
+            attributes.map(|files| files.open(folder, &loader, options.demographics, &mut notes));
+        let (attributes, attribute_config) = attributes.transpose()?.unzip();
         let config = serde_json::json!({
             "perception": name,
             "about": self.about,
             "detector": detector.config(),
             "attributes": attribute_config,
         });
-        let attributes = attributes.map(|model| Box::new(model) as _);
-        let notes = vec![format!("{name}: {}", self.about), loader.note().into()];
-        Ok(Opened { detector, attributes, notes, config })
+        Ok(Opened { models: Models { detector, attributes, grounder, config }, notes })
     }
 }
 
+type OpenDetector = (Arc<dyn Detector>, Option<Arc<dyn Grounder>>);
+type OpenAttributes = (Arc<dyn AttributeModel>, serde_json::Value);
+
 impl DetectorFiles {
-    fn open(
-        &self,
-        models: &Path,
-        loader: &Loader,
-    ) -> Result<Box<dyn Detector + Send + Sync>, Error> {
+    fn open(&self, models: &Path, loader: &Loader) -> Result<OpenDetector, Error> {
         Ok(match self {
             Self::Florence2 { graphs, settings } => {
                 let model = florence2(graphs, models, loader)?;
                 let refused = Folder::new(models, graphs);
                 let detector = FlorenceDetector::new(model, settings.clone());
-                Box::new(detector.map_err(refused.refused())?)
+                let detector = Arc::new(detector.map_err(refused.refused())?);
+                (detector.clone(), Some(detector))
             }
             Self::GroundingDino { graphs, settings } => {
-                Box::new(grounding_dino(&Folder::new(models, graphs), loader, settings)?)
+                let folder = Folder::new(models, graphs);
+                let detector = Arc::new(grounding_dino(&folder, loader, settings)?);
+                (detector.clone(), Some(detector))
             }
+            Self::Ssdlite(files) => (Arc::new(light::ssdlite(files, models, loader)?), None),
+            Self::Pair(files) => (Arc::new(light::pair(files, models, loader)?), None),
         })
     }
 }
 
 impl AttributeFiles {
-    fn open(&self, models: &Path, loader: &Loader) -> Result<VlmAttributes, Error> {
-        let ((vlm, family), settings) = match self {
-            Self::Internvl { graphs, settings } => (internvl(graphs, models, loader)?, settings),
-            Self::Qwen25Vl { graphs, settings } => (qwen25vl(graphs, models, loader)?, settings),
+    fn open(
+        &self,
+        models: &Path,
+        loader: &Loader,
+        demographics: Demographics,
+        notes: &mut Vec<String>,
+    ) -> Result<OpenAttributes, Error> {
+        let ((vlm, family), graphs, settings) = match self {
+            Self::Internvl { graphs, settings } => {
+                (internvl(graphs, models, loader)?, graphs, settings)
+            }
+            Self::Qwen25Vl { graphs, settings } => {
+                (qwen25vl(graphs, models, loader)?, graphs, settings)
+            }
+            Self::Appearance(files) => {
+                let model = light::appearance(files, models, loader, demographics, notes)?;
+                let config = model.config();
+                return Ok((model, config));
+            }
         };
-        let (Self::Internvl { graphs, .. } | Self::Qwen25Vl { graphs, .. }) = self;
         let folder = Folder::new(models, graphs);
-        VlmAttributes::new(vlm, family, settings.clone()).map_err(folder.refused())
+        let model = VlmAttributes::new(vlm, family, settings.clone()).map_err(folder.refused())?;
+        let config = model.config();
+        Ok((Arc::new(model), config))
     }
 }
 
@@ -339,13 +374,13 @@ mod tests {
     fn what_is_built_in_is_read() {
         for (name, _) in BUILT_IN {
             let found = Backbone::named(name, Path::new("/nowhere")).unwrap();
-            assert!(!found.about.is_empty() && found.attributes.is_some(), "{name}");
+            assert!(!found.about.is_empty(), "{name}");
         }
     }
 
     #[test]
     fn unknown_names_are_told_with_the_known_ones() {
         let error = Backbone::named("eyes", Path::new("/nowhere")).unwrap_err().to_string();
-        assert!(error.contains("demo, florence2-internvl, paper"), "{error}");
+        assert!(error.contains("demo, florence2-internvl, light, ssdlite, paper"), "{error}");
     }
 }

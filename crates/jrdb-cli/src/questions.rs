@@ -1,0 +1,122 @@
+//! Which questions are asked of which frame, each read once.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use jrdb_parser::ParserConfig;
+use jrdb_pipeline::query::{read_or_report, speaks_of_time};
+use jrdb_types::score::QuestionScore;
+use jrdb_types::{Answer, FrameId, Query, Question, Questions};
+
+use crate::Error;
+use crate::source::{FrameSource, Source};
+
+/// The category of questions that were typed, not read from a file.
+pub const TYPED: &str = "typed";
+
+/// A question and what it was read as. Copies share the query.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReadQuestion {
+    /// The question, with its truth where there is one.
+    pub question: Question,
+    /// What it was read as.
+    pub query: Arc<Query>,
+}
+
+impl ReadQuestion {
+    fn new(question: Question, config: &ParserConfig) -> Self {
+        let query = Arc::new(read_or_report(&question.text, config));
+        Self { question, query }
+    }
+
+    /// Whether it needs more than one frame.
+    #[must_use]
+    pub fn speaks_of_time(&self) -> bool {
+        speaks_of_time(&self.question, &self.query)
+    }
+}
+
+/// A question, what it was read as, what was answered, and how good that is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Answered {
+    /// The question, with its truth where there is one.
+    pub question: Question,
+    /// What it was read as.
+    pub query: Arc<Query>,
+    /// The answer.
+    pub answer: Answer,
+    /// The answer against the truth, where that is known.
+    pub score: Option<QuestionScore>,
+}
+
+/// The questions of every frame of a run.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct FrameQuestions {
+    /// For each frame, in its order.
+    pub per_frame: Vec<Vec<ReadQuestion>>,
+    /// Questions of the file that no frame of the run can answer.
+    pub unasked: usize,
+}
+
+impl FrameQuestions {
+    /// Typed queries for every frame, then the questions of a file, or without both the scenes' own.
+    ///
+    /// # Errors
+    /// When a file of questions is unusable.
+    pub fn gather(
+        frames: &[FrameSource],
+        typed: &[Arc<Query>],
+        file: Option<&PathBuf>,
+        sources: &[Source],
+        config: &ParserConfig,
+    ) -> Result<Self, Error> {
+        let mut listed = Questions::default();
+        if let Some(path) = file {
+            listed = jrdb_dataset::read_questions(path)?;
+        } else if typed.is_empty() {
+            for source in sources {
+                listed.questions.extend(source.own_questions()?.questions);
+            }
+        }
+        let listed: Vec<ReadQuestion> =
+            listed.questions.into_iter().map(|one| ReadQuestion::new(one, config)).collect();
+        let of_frame = |frame: &FrameSource| {
+            let typed = typed.iter().map(|query| typed_question(query, &frame.id));
+            let listed = listed.iter().filter(|one| one.question.frame == frame.id).cloned();
+            typed.chain(listed).collect::<Vec<_>>()
+        };
+        let per_frame: Vec<Vec<ReadQuestion>> = frames.iter().map(of_frame).collect();
+        let asked: usize = per_frame.iter().map(Vec::len).sum();
+        let from_file = asked - typed.len() * frames.len();
+        Ok(Self { per_frame, unasked: listed.len().saturating_sub(from_file) })
+    }
+
+    /// Leaves of the truth only its boxes: the names that perception gives are others.
+    pub fn forget_names(&mut self) {
+        let all = self.per_frame.iter_mut().flatten();
+        let truths = all.filter_map(|one| one.question.truth.as_mut());
+        truths.for_each(|truth| truth.ids.clear());
+    }
+
+    /// All queries.
+    pub fn queries(&self) -> impl Iterator<Item = &Query> {
+        self.per_frame.iter().flatten().map(|one| &*one.query)
+    }
+
+    /// The most questions that a frame has.
+    #[must_use]
+    pub fn most(&self) -> usize {
+        self.per_frame.iter().map(Vec::len).max().unwrap_or(0)
+    }
+}
+
+fn typed_question(query: &Arc<Query>, frame: &FrameId) -> ReadQuestion {
+    let question = Question {
+        text: query.text.clone(),
+        category: TYPED.into(),
+        frame: frame.clone(),
+        slots: Vec::new(),
+        truth: None,
+    };
+    ReadQuestion { question, query: query.clone() }
+}

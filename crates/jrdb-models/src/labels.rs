@@ -1,0 +1,59 @@
+//! Perception from a dataset's own labels.
+
+use std::collections::BTreeMap;
+
+use jrdb_dataset::{Dataset, SequenceLabels};
+use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
+use jrdb_types::{Detections, FrameId, with_causes};
+
+/// The labels of some sequences, read once.
+#[derive(Debug, Default)]
+pub struct Labels {
+    sequences: BTreeMap<String, Result<SequenceLabels, String>>,
+}
+
+impl Labels {
+    /// Reads the labels of sequences. Those of a sequence that cannot be read fail frame by frame.
+    pub fn read<'a>(sequences: impl IntoIterator<Item = (&'a Dataset, &'a str)>) -> Self {
+        let read = |(dataset, name): (&Dataset, &str)| {
+            let labels = dataset.labels(name);
+            (name.to_owned(), labels.map_err(|error| without_root(&error, dataset)))
+        };
+        Self { sequences: sequences.into_iter().map(read).collect() }
+    }
+}
+
+/// An error's text with its causes, without the dataset's root: artefacts name no host paths.
+fn without_root(error: &dyn std::error::Error, dataset: &Dataset) -> String {
+    with_causes(error).replace(&format!("{}/", dataset.root().display()), "")
+}
+
+impl Perceive for Labels {
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
+        match self.sequences.get(&frame.sequence) {
+            Some(Ok(labels)) => Ok(labels.detections(frame, view.geometry)),
+            Some(Err(message)) => Err(PerceptionError::Source(message.clone())),
+            None => Err(PerceptionError::Source(format!("no labels were opened for {frame}"))),
+        }
+    }
+
+    fn looks_at_images(&self) -> bool {
+        false
+    }
+
+    fn tracks(&self) -> bool {
+        true
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!({ "perception": "labels" })
+    }
+
+    fn grounder(&self) -> Option<&dyn Grounder> {
+        None
+    }
+
+    fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        None
+    }
+}

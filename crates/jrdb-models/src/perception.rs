@@ -1,0 +1,178 @@
+//! Every source of detections by its name.
+
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::sync::Arc;
+
+use jrdb_dataset::Dataset;
+use jrdb_perception::{AttributeModel, Grounder, KnownDetections, Perceive, PerceptionError, View};
+use jrdb_types::{Detections, FrameId, ImageGeometry};
+
+use crate::Error;
+use crate::backbone::{self, Backbone};
+use crate::demographics::Demographics;
+use crate::labels::Labels;
+use crate::loader::EngineOptions;
+use crate::replay::Replay;
+
+/// Where detections come from.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum PerceptionSource {
+    /// The dataset's own labels.
+    #[default]
+    Labels,
+    /// A file of detections: our artefact or COCO results.
+    File(PathBuf),
+    /// A file with the replies of models that ran before or elsewhere.
+    Replay(PathBuf),
+    /// The backbone of this name.
+    Backbone(String),
+}
+
+impl FromStr for PerceptionSource {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        match text.split_once(':') {
+            None if text == "labels" => Ok(Self::Labels),
+            Some(("file", path)) if !path.is_empty() => Ok(Self::File(path.into())),
+            Some(("replay", path)) if !path.is_empty() => Ok(Self::Replay(path.into())),
+            None if is_name(text) => Ok(Self::Backbone(text.into())),
+            _ => Err(Error::UnknownSource { found: text.into(), known: backbone::built_in() }),
+        }
+    }
+}
+
+/// Whether a text can be the name of a file in the models folder.
+fn is_name(text: &str) -> bool {
+    let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.+".contains(c);
+    text.chars().all(allowed) && text.starts_with(|c: char| c.is_ascii_alphanumeric())
+}
+
+/// A sequence that labels or detections are read for.
+#[derive(Debug, Clone)]
+pub struct SequenceSource {
+    /// The tree that it is in.
+    pub dataset: Arc<Dataset>,
+    /// Its name.
+    pub name: String,
+    /// Size of its images.
+    pub image: ImageGeometry,
+}
+
+/// What a source may need to be opened.
+#[derive(Debug, Clone, Default)]
+pub struct PerceptionOptions {
+    /// Which engine runs models, and in which folder the models are.
+    pub engine: EngineOptions,
+    /// What small models may guess from faces.
+    pub demographics: Demographics,
+    /// The sequences whose labels or detections are read; models need none.
+    pub sequences: Vec<SequenceSource>,
+}
+
+impl PerceptionOptions {
+    /// Models of a folder, on whichever engine is found.
+    #[must_use]
+    pub fn models(folder: impl Into<PathBuf>) -> Self {
+        let engine = EngineOptions { models: folder.into(), ..EngineOptions::default() };
+        Self { engine, ..Self::default() }
+    }
+}
+
+/// A source of detections, opened.
+pub struct Perception {
+    source: Box<dyn Perceive>,
+    notes: Vec<String>,
+}
+
+impl Perception {
+    /// Opens a source by its name: `labels`, `file:PATH`, `replay:PATH`, or that of a backbone such as `light`.
+    ///
+    /// # Errors
+    /// When the name is not one of these, or a file, model or engine is unusable. Labels that cannot be read fail frame
+    /// by frame.
+    pub fn open(name: &str, options: &PerceptionOptions) -> Result<Self, Error> {
+        Self::open_source(&name.parse()?, options)
+    }
+
+    /// Opens a source whose name was read already.
+    ///
+    /// # Errors
+    /// As [`Perception::open`].
+    pub fn open_source(
+        source: &PerceptionSource,
+        options: &PerceptionOptions,
+    ) -> Result<Self, Error> {
+        let silent = |source: Box<dyn Perceive>| Self { source, notes: Vec::new() };
+        match source {
+            PerceptionSource::Labels => {
+                let sequences = options.sequences.iter();
+                let sequences = sequences.map(|one| (one.dataset.as_ref(), one.name.as_str()));
+                Ok(silent(Box::new(Labels::read(sequences))))
+            }
+            PerceptionSource::File(path) => {
+                let mut all = Vec::new();
+                for one in &options.sequences {
+                    let found = jrdb_dataset::read_detections(path, &one.name, one.image)?;
+                    all.extend(found.into_values());
+                }
+                Ok(silent(Box::new(KnownDetections::new(all))))
+            }
+            PerceptionSource::Replay(path) => Ok(silent(Box::new(Replay::read(path)?))),
+            PerceptionSource::Backbone(name) => {
+                let folder = &options.engine.models;
+                let opened = Backbone::named(name, folder)?.open(name, options)?;
+                Ok(Self { source: Box::new(opened.models), notes: opened.notes })
+            }
+        }
+    }
+
+    /// What the user should know: which models run, and on which engine.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+}
+
+impl Perceive for Perception {
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
+        self.source.perceive(frame, view)
+    }
+
+    fn looks_at_images(&self) -> bool {
+        self.source.looks_at_images()
+    }
+
+    fn tracks(&self) -> bool {
+        self.source.tracks()
+    }
+
+    fn config(&self) -> serde_json::Value {
+        self.source.config()
+    }
+
+    fn grounder(&self) -> Option<&dyn Grounder> {
+        self.source.grounder()
+    }
+
+    fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        self.source.attribute_model()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_sources_are_read() {
+        let read = |text: &str| text.parse::<PerceptionSource>().ok();
+        assert_eq!(read("labels"), Some(PerceptionSource::Labels));
+        assert_eq!(read("file:a:b.json"), Some(PerceptionSource::File("a:b.json".into())));
+        assert_eq!(read("light"), Some(PerceptionSource::Backbone("light".into())));
+        assert_eq!((read("file:"), read("../eyes"), read("")), (None, None, None));
+        let error = "../eyes".parse::<PerceptionSource>().unwrap_err().to_string();
+        assert!(error.contains("expected labels, file:PATH"), "{error}");
+    }
+}

@@ -1,0 +1,53 @@
+//! Perception from the replies of models that ran before or elsewhere.
+
+use std::path::Path;
+
+use jrdb_perception::exchange::{Exchange, play};
+use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
+use jrdb_types::{Detections, FrameId};
+
+use crate::Error;
+
+/// A file of requests with replies, as `jrdb_perception::exchange` describes it.
+#[derive(Debug)]
+pub struct Replay {
+    lines: Vec<Exchange>,
+}
+
+impl Replay {
+    /// Reads a file of JSON Lines.
+    ///
+    /// # Errors
+    /// When it cannot be read, or a line is not an exchange.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
+        let refused = |source| Error::Model { path: path.into(), source: Box::new(source) };
+        Ok(Self { lines: Exchange::read_lines(&text).map_err(refused)? })
+    }
+}
+
+impl Perceive for Replay {
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
+        Ok(play(&self.lines, frame, view.geometry))
+    }
+
+    fn looks_at_images(&self) -> bool {
+        false
+    }
+
+    fn tracks(&self) -> bool {
+        false
+    }
+
+    fn config(&self) -> serde_json::Value {
+        serde_json::json!({ "perception": "replay" })
+    }
+
+    fn grounder(&self) -> Option<&dyn Grounder> {
+        None
+    }
+
+    fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        None
+    }
+}

@@ -1,0 +1,190 @@
+//! Perception as a pipeline asks it: one image in, detections with attributes out.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use jrdb_types::detection::PERSON;
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{
+    Attributes, Detection, Detections, FrameId, Image, ImageGeometry, Issue, with_causes,
+};
+use rayon::prelude::*;
+
+use crate::detector::{AttributeModel, Detector, Grounder, PerceptionError};
+
+/// One camera's view of a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct View<'a> {
+    /// Size of the camera's images and whether they wrap.
+    pub geometry: ImageGeometry,
+    /// The pixels; absent when they cannot be read, or when perception does not look at them.
+    pub image: Option<&'a Image>,
+}
+
+/// A source of detections: labels, files, recorded replies or models.
+pub trait Perceive: Send + Sync {
+    /// The people and objects of one frame.
+    ///
+    /// # Errors
+    /// When a model fails, or the source cannot be used for this frame. A frame about which the source has nothing
+    /// yields no detections and an issue.
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError>;
+
+    /// Whether pixels are needed: otherwise images need not be decoded.
+    fn looks_at_images(&self) -> bool;
+
+    /// Whether an id is the same person or object in every frame of a sequence.
+    fn tracks(&self) -> bool;
+
+    /// Every setting that shapes the detections, for the artefact's `config`.
+    fn config(&self) -> serde_json::Value;
+
+    /// The model that takes whole sentences, if there is one.
+    fn grounder(&self) -> Option<&dyn Grounder>;
+
+    /// The model that describes people, if there is one: it can be asked again about a crop.
+    fn attribute_model(&self) -> Option<&dyn AttributeModel>;
+}
+
+/// No detections, and why.
+#[must_use]
+pub fn nothing_seen(frame: &FrameId, image: ImageGeometry, why: String) -> Detections {
+    let issues = vec![Issue::new(IssueKind::MissingInput, why)];
+    Detections { frame: frame.clone(), image, detections: Vec::new(), issues }
+}
+
+/// Detections that are known beforehand, by frame.
+#[derive(Debug, Clone, Default)]
+pub struct KnownDetections {
+    frames: BTreeMap<FrameId, Detections>,
+    config: serde_json::Value,
+}
+
+impl KnownDetections {
+    /// These detections; of two for one frame the last counts.
+    #[must_use]
+    pub fn new(detections: impl IntoIterator<Item = Detections>) -> Self {
+        let frames = detections.into_iter().map(|one| (one.frame.clone(), one)).collect();
+        Self { frames, config: serde_json::json!({ "perception": "file" }) }
+    }
+}
+
+impl Perceive for KnownDetections {
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
+        let found = self.frames.get(frame).cloned();
+        let nothing =
+            || nothing_seen(frame, view.geometry, format!("the file has nothing for {frame}"));
+        Ok(found.unwrap_or_else(nothing))
+    }
+
+    fn looks_at_images(&self) -> bool {
+        false
+    }
+
+    fn tracks(&self) -> bool {
+        false
+    }
+
+    fn config(&self) -> serde_json::Value {
+        self.config.clone()
+    }
+
+    fn grounder(&self) -> Option<&dyn Grounder> {
+        None
+    }
+
+    fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        None
+    }
+}
+
+/// Neural perception: a detector, and a model that describes the people it finds.
+#[derive(Clone)]
+pub struct Models {
+    /// Finds people and objects.
+    pub detector: Arc<dyn Detector>,
+    /// Describes people.
+    pub attributes: Option<Arc<dyn AttributeModel>>,
+    /// Takes whole sentences.
+    pub grounder: Option<Arc<dyn Grounder>>,
+    /// All that shapes the detections.
+    pub config: serde_json::Value,
+}
+
+impl Perceive for Models {
+    fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
+        let Some(image) = view.image else {
+            let why = "the model had no picture to look at".into();
+            return Ok(nothing_seen(frame, view.geometry, why));
+        };
+        let mut detections = self.detector.detect(image, frame)?;
+        if let Some(model) = &self.attributes {
+            describe(&mut detections, image, &**model);
+        }
+        Ok(detections)
+    }
+
+    fn looks_at_images(&self) -> bool {
+        true
+    }
+
+    fn tracks(&self) -> bool {
+        false
+    }
+
+    fn config(&self) -> serde_json::Value {
+        self.config.clone()
+    }
+
+    fn grounder(&self) -> Option<&dyn Grounder> {
+        self.grounder.as_deref()
+    }
+
+    fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        self.attributes.as_deref()
+    }
+}
+
+/// Fills in what a model believes of every person. A person on whom it fails stays undescribed, and an issue says so.
+fn describe(detections: &mut Detections, image: &Image, model: &dyn AttributeModel) {
+    let look = |detection: &Detection| {
+        let is_person = detection.category == PERSON;
+        is_person.then(|| model.describe(image, detection))
+    };
+    let looks: Vec<Option<Result<Attributes, _>>> =
+        detections.detections.par_iter().map(look).collect();
+    for (detection, look) in detections.detections.iter_mut().zip(looks) {
+        match look {
+            Some(Ok(attributes)) => detection.attributes = attributes,
+            Some(Err(error)) => {
+                let message =
+                    format!("nothing is known of its attributes: {}", with_causes(&error));
+                let issue = Issue::about(IssueKind::NotDescribed, &detection.id, message);
+                detections.issues.push(issue);
+            }
+            None => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_frame_that_is_not_known_has_nothing_and_an_issue() {
+        let geometry = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
+        let known = |frame: u32| FrameId { sequence: "lab".into(), frame };
+        let given = Detections {
+            frame: known(3),
+            image: geometry,
+            detections: Vec::new(),
+            issues: Vec::new(),
+        };
+        let source = KnownDetections::new([given.clone()]);
+        let view = View { geometry, image: None };
+        assert_eq!(source.perceive(&known(3), &view).unwrap(), given);
+        let nothing = source.perceive(&known(4), &view).unwrap();
+        assert_eq!(nothing.issues[0].message, "the file has nothing for lab/000004");
+    }
+}

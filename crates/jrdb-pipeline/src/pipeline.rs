@@ -1,0 +1,161 @@
+//! From a frame to a scene: perception, places, relations, graph and index, each once.
+
+use std::sync::Arc;
+
+use jrdb_calibration::FloorConfig;
+use jrdb_graph::IndexedGraph;
+use jrdb_perception::{Perceive, View};
+use jrdb_projection::{BaseCloud, Motions, Placement, Space};
+use jrdb_types::{Detections, FloorPlane, Issue};
+
+use crate::motion::Places;
+use crate::scene::Scene;
+use crate::{Error, Frame, PipelineConfig, Robot};
+
+/// A robot, what it perceives with, and how the stages work. Cloning is cheap: all of it is shared.
+#[derive(Clone)]
+pub struct Pipeline {
+    pub(crate) robot: Arc<Robot>,
+    pub(crate) perception: Arc<dyn Perceive>,
+    pub(crate) config: Arc<PipelineConfig>,
+}
+
+/// A frame whose things have places, but no headings and relations yet: those may depend on how the things move.
+pub struct PlacedFrame {
+    pub(crate) frame: Frame,
+    pub(crate) detections: Detections,
+    pub(crate) cloud: BaseCloud,
+    floor: Option<FloorPlane>,
+    placements: Vec<Placement>,
+    issues: Vec<Issue>,
+}
+
+impl PlacedFrame {
+    /// Where the things are, to be compared with other frames.
+    #[must_use]
+    pub fn places(&self) -> Places {
+        let placed = self.detections.detections.iter().zip(&self.placements);
+        let centers = placed.filter_map(|(detection, placement)| {
+            let [x, y, _] = placement.center_m()?;
+            Some((detection.id.clone(), [x, y]))
+        });
+        Places::new(self.frame.id.clone(), centers)
+    }
+}
+
+impl Pipeline {
+    /// A pipeline for one robot.
+    pub fn new(
+        robot: impl Into<Arc<Robot>>,
+        perception: impl Perceive + 'static,
+        config: PipelineConfig,
+    ) -> Self {
+        Self::sharing(robot.into(), Arc::new(perception), Arc::new(config))
+    }
+
+    /// A pipeline with parts that others use, too.
+    #[must_use]
+    pub fn sharing(
+        robot: Arc<Robot>,
+        perception: Arc<dyn Perceive>,
+        config: Arc<PipelineConfig>,
+    ) -> Self {
+        Self { robot, perception, config }
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// How the stages work.
+    #[must_use]
+    pub fn config(&self) -> &PipelineConfig {
+        &self.config
+    }
+
+    /// What the robot perceives with.
+    #[must_use]
+    pub fn perception(&self) -> &dyn Perceive {
+        &*self.perception
+    }
+
+    /// Sees a frame: the result can be asked any number of questions.
+    ///
+    /// # Errors
+    /// When perception fails, or the detections do not fit the rig. What cannot be used of the frame is an issue in the
+    /// scene, not an error.
+    pub fn see(&self, frame: Frame) -> Result<Scene, Error> {
+        Ok(self.complete(self.place(frame)?, &Motions::new()))
+    }
+
+    /// The first half of [`Pipeline::see`]: detections and their places.
+    ///
+    /// # Errors
+    /// As [`Pipeline::see`].
+    pub fn place(&self, frame: Frame) -> Result<PlacedFrame, Error> {
+        let detections = self.perceive(&frame)?;
+        self.place_detections(frame, detections)
+    }
+
+    /// Sees a frame whose detections are known already.
+    ///
+    /// # Errors
+    /// When the detections do not fit the rig.
+    pub fn see_detections(&self, frame: Frame, detections: Detections) -> Result<Scene, Error> {
+        Ok(self.complete(self.place_detections(frame, detections)?, &Motions::new()))
+    }
+
+    /// The second half of [`Pipeline::see`]: headings, relations, the graph and its index.
+    #[must_use]
+    pub fn complete(&self, placed: PlacedFrame, motions: &Motions) -> Scene {
+        let PlacedFrame { frame, detections, cloud, floor, placements, issues } = placed;
+        let space = Space { cloud: &cloud, sensors: self.robot.sensors(), floor };
+        let config = &self.config.projection;
+        let mut entities =
+            jrdb_projection::entities(&detections, placements, &space, motions, config);
+        entities.issues.splice(0..0, issues);
+        let graph = IndexedGraph::new(jrdb_graph::build(&entities, &self.config.graph));
+        let (perception, config) = (Arc::clone(&self.perception), Arc::clone(&self.config));
+        Scene { perception, config, frame, detections, cloud, entities, graph }
+    }
+
+    /// What perception finds in a frame, without points.
+    ///
+    /// # Errors
+    /// When perception fails.
+    pub fn perceive(&self, frame: &Frame) -> Result<Detections, Error> {
+        let image = frame.images.first();
+        let pixels = match image {
+            Some(image) if self.perception.looks_at_images() => image.pixels().ok(),
+            _ => None,
+        };
+        let view = View { geometry: self.robot.image(), image: pixels };
+        let found = self.perception.perceive(&frame.id, &view);
+        let fail = |source| Error::Perception { frame: frame.id.clone(), source };
+        let mut detections = found.map_err(fail)?;
+        detections.issues.extend(image.and_then(|image| image.known_issue()).cloned());
+        Ok(detections)
+    }
+
+    fn place_detections(&self, frame: Frame, detections: Detections) -> Result<PlacedFrame, Error> {
+        let mut issues = frame.issues.clone();
+        let sensors = self.robot.sensors();
+        let cloud = BaseCloud::merge(&frame.sweeps, sensors, &mut issues);
+        let floor = floor(&cloud, &self.config.floor);
+        let space = Space { cloud: &cloud, sensors, floor };
+        let fail = |source| Error::Projection { frame: frame.id.to_string(), source };
+        let placements = jrdb_projection::place(&detections, &space, &self.config.projection);
+        let placements = placements.map_err(fail)?;
+        Ok(PlacedFrame { frame, detections, cloud, floor, placements, issues })
+    }
+}
+
+/// The floor under the robot, where enough of it is seen.
+fn floor(cloud: &BaseCloud, config: &FloorConfig) -> Option<FloorPlane> {
+    let points: Vec<_> = (0..cloud.len()).map(|i| cloud.point(i)).collect();
+    let floor = jrdb_calibration::fit_floor(&points, config).ok()?;
+    let [x, y, z] = floor.normal;
+    Some(FloorPlane { height_m: floor.height_m, slope: [-x / z, -y / z] })
+}
