@@ -3,6 +3,7 @@
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a command prints")]
 
 mod budget;
+mod cycles;
 mod law;
 mod peers;
 mod pipeline;

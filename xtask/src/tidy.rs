@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
+use crate::cycles::circles;
 use crate::law::{LAW, Row, table};
 use crate::{cargo, root};
 
@@ -32,9 +33,16 @@ pub(crate) fn tidy() -> Result<()> {
     for row in LAW {
         let folder = root().join(row.folder());
         faults.extend(page_faults(row, &folder)?);
-        for file in rust_files(&folder.join("src"))? {
-            faults.extend(source_faults(row, &file)?);
+        let files = rust_files(&folder.join("src"))?;
+        for file in &files {
+            faults.extend(source_faults(row, file)?);
         }
+        let circles = circles(&folder.join("src"), &files, &root())?;
+        faults.extend(
+            circles.iter().map(|files| {
+                format!("these files use each other in a circle: {}", files.join(", "))
+            }),
+        );
     }
     for fault in &faults {
         eprintln!("tidy: {fault}");
@@ -118,6 +126,9 @@ fn source_faults(row: &Row, path: &Path) -> Result<Vec<String>> {
     if lines > LINES_MAX {
         faults.push(format!("{shown} has {lines} lines before its tests, more than {LINES_MAX}"));
     }
+    faults.extend(flags(code).into_iter().map(|(line, name)| {
+        format!("{shown}:{line}: {name} has a bool parameter: take an enum, or make two functions")
+    }));
     for (line, number) in code.lines().zip(1..) {
         let is_comment = line.trim_start().starts_with("//");
         if let Some(word) =
@@ -132,6 +143,33 @@ fn source_faults(row: &Row, path: &Path) -> Result<Vec<String>> {
         }
     }
     Ok(faults)
+}
+
+/// Public functions with a `bool` among their parameters, each with its line.
+fn flags(code: &str) -> Vec<(usize, &str)> {
+    let starts = code.match_indices("pub fn ").map(|(at, start)| at + start.len());
+    let flag = |at: usize| {
+        let signature = &code[at..];
+        let open = signature.find('(')?;
+        let close = matching(&signature[open..])? + open;
+        let takes_flag = signature[open..close].contains(": bool");
+        let name = signature[..open].split('<').next().unwrap_or_default();
+        takes_flag.then(|| (code[..at].lines().count(), name))
+    };
+    starts.filter_map(flag).collect()
+}
+
+/// Where the bracket that a text begins with is closed.
+fn matching(text: &str) -> Option<usize> {
+    let mut depth = 0;
+    text.char_indices().find_map(|(at, c)| {
+        match c {
+            '(' => depth += 1,
+            ')' => depth -= 1,
+            _ => {}
+        }
+        (depth == 0).then_some(at)
+    })
 }
 
 fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
@@ -152,4 +190,15 @@ fn rust_files(folder: &Path) -> Result<Vec<PathBuf>> {
 
 fn read(path: &Path) -> Result<String> {
     std::fs::read_to_string(path).with_context(|| format!("cannot read {}", path.display()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn public_functions_with_a_bool_are_found_over_several_lines() {
+        let code = "fn a(x: bool) {}\npub fn b(\n    x: u8,\n    is_y: bool,\n) {}\npub fn c(f: impl Fn(u8) -> bool) {}\n";
+        assert_eq!(flags(code), [(2, "b")]);
+    }
 }

@@ -5,10 +5,12 @@ pub mod evaluation;
 pub mod output;
 pub mod questions;
 pub mod report;
+pub mod result;
 pub mod run;
 pub mod source;
 
 mod error;
 
 pub use error::Error;
-pub use run::{Run, RunOptions, RunSummary};
+pub use result::{FrameOutput, FrameResult, RunSummary};
+pub use run::{Run, RunOptions};

@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 
 use crate::Error;
 use crate::questions::Answered;
-use crate::run::FrameOutput;
+use crate::result::FrameOutput;
 
 /// How the output folder is divided: one level per sequence, frame and question, each left out where
 /// there is only one.

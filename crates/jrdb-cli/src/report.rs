@@ -11,7 +11,7 @@ use jrdb_types::{
 use serde_json::{Value, json};
 
 use crate::questions::Answered;
-use crate::run::{FrameOutput, FrameResult, RunSummary};
+use crate::result::{FrameOutput, FrameResult, RunSummary};
 
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;

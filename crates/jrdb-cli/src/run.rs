@@ -24,6 +24,7 @@ use jrdb_types::{Answer, FrameId, Query, Question, Scores};
 use crate::Error;
 use crate::output::{Layout, Writer, Written};
 use crate::questions::{Answered, FrameQuestions, ReadQuestion};
+use crate::result::{FrameOutput, FrameResult, RunSummary};
 use crate::source::{FrameSource, RobotOptions, Source, list_frames, open_perception};
 
 /// What to run, on what, and where to write.
@@ -57,35 +58,6 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// Whether every stage's artefact is written too.
     pub artifacts: bool,
-}
-
-/// One frame's result.
-pub struct FrameResult {
-    /// Which frame.
-    pub id: FrameId,
-    /// Its scene and answers, or why it could not be done; other frames go on.
-    pub output: Result<FrameOutput, Error>,
-}
-
-/// A scene and the answers to the questions about it.
-pub struct FrameOutput {
-    /// The scene.
-    pub scene: Scene,
-    /// Its questions with their answers; those about time are the recording's.
-    pub answered: Vec<Answered>,
-}
-
-/// What a run came to, besides the frames.
-#[derive(Debug, Default)]
-pub struct RunSummary {
-    /// Questions about time with their answers, one for each recording they were asked of.
-    pub recordings: Vec<Answered>,
-    /// Scores, when any question had a known answer.
-    pub scores: Option<Scores>,
-    /// Questions of the file that no frame of this run could answer.
-    pub unasked: usize,
-    /// Frames that could not be done, and why.
-    pub failures: Vec<(FrameId, String)>,
 }
 
 /// A run whose frames, questions and models are known, ready to go.

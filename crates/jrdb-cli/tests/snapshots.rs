@@ -9,9 +9,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::{Path, PathBuf};
 
 use jrdb_cli::questions::Answered;
-use jrdb_cli::run::{FrameOutput, FrameResult};
 use jrdb_cli::source::Source;
-use jrdb_cli::{Run, RunOptions, RunSummary};
+use jrdb_cli::{FrameOutput, FrameResult, Run, RunOptions, RunSummary};
 use serde_json::{Value, json};
 
 const STAGES: [&str; 6] = ["detections", "entities", "scene_graph", "queries", "answers", "scores"];

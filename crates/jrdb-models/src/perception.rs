@@ -2,17 +2,14 @@
 
 use std::path::PathBuf;
 use std::str::FromStr;
-use std::sync::Arc;
 
-use jrdb_dataset::Dataset;
 use jrdb_perception::{AttributeModel, Grounder, KnownDetections, Perceive, PerceptionError, View};
-use jrdb_types::{Detections, FrameId, ImageGeometry};
+use jrdb_types::{Detections, FrameId};
 
 use crate::Error;
 use crate::backbone::{self, Backbone};
-use crate::demographics::Demographics;
 use crate::labels::Labels;
-use crate::loader::EngineOptions;
+use crate::options::PerceptionOptions;
 use crate::replay::Replay;
 
 /// Where detections come from.
@@ -47,37 +44,6 @@ impl FromStr for PerceptionSource {
 fn is_name(text: &str) -> bool {
     let allowed = |c: char| c.is_ascii_alphanumeric() || "-_.+".contains(c);
     text.chars().all(allowed) && text.starts_with(|c: char| c.is_ascii_alphanumeric())
-}
-
-/// A sequence that labels or detections are read for.
-#[derive(Debug, Clone)]
-pub struct SequenceSource {
-    /// The tree that it is in.
-    pub dataset: Arc<Dataset>,
-    /// Its name.
-    pub name: String,
-    /// Size of its images.
-    pub image: ImageGeometry,
-}
-
-/// What a source may need to be opened.
-#[derive(Debug, Clone, Default)]
-pub struct PerceptionOptions {
-    /// Which engine runs models, and in which folder the models are.
-    pub engine: EngineOptions,
-    /// What small models may guess from faces.
-    pub demographics: Demographics,
-    /// The sequences whose labels or detections are read; models need none.
-    pub sequences: Vec<SequenceSource>,
-}
-
-impl PerceptionOptions {
-    /// Models of a folder, on whichever engine is found.
-    #[must_use]
-    pub fn models(folder: impl Into<PathBuf>) -> Self {
-        let engine = EngineOptions { models: folder.into(), ..EngineOptions::default() };
-        Self { engine, ..Self::default() }
-    }
 }
 
 /// A source of detections, opened.

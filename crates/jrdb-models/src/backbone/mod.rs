@@ -28,7 +28,7 @@ use serde::Deserialize;
 use crate::Error;
 use crate::demographics::Demographics;
 use crate::loader::Loader;
-use crate::perception::PerceptionOptions;
+use crate::options::PerceptionOptions;
 
 pub use light::{AppearanceFiles, PairFiles, SingleFile};
 
