@@ -1,27 +1,13 @@
 #![doc = include_str!("../README.md")]
 
-mod clause;
-mod clothes;
-mod coordination;
-mod deed;
 mod explain;
-mod joined;
+mod grammar;
 mod lexicon;
 pub mod notation;
-mod noun;
-mod number;
-mod order;
 mod parser;
-mod place;
-mod predicate;
-mod question;
-mod shared;
-mod spot;
-mod subject;
+mod pattern;
 mod suggest;
-mod time;
-mod wh;
-mod words;
+mod token;
 
 use jrdb_types::{Pattern, Query, Task};
 use serde::{Deserialize, Serialize};
@@ -76,8 +62,8 @@ pub fn parse(text: &str) -> Query {
 /// ```
 #[must_use]
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
-    let (mut tokens, mut issues) = (words::Tokens::new(), Vec::new());
-    words::tokenize(text, &mut tokens, &mut issues);
+    let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
+    token::tokenize(text, &mut tokens, &mut issues);
     Parser::new(text, config, &tokens, issues).question()
 }
 

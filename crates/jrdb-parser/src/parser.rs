@@ -7,7 +7,7 @@ use jrdb_types::{Issue, Pattern, Span};
 use crate::ParserConfig;
 use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
 use crate::suggest::{Suggestion, suggest};
-use crate::words::{SUGGESTIONS_MAX, Token, Tokens, tokenize};
+use crate::token::{SUGGESTIONS_MAX, Token, Tokens, tokenize};
 
 /// How deep "left of a man who is left of a man who …" may go, two for each thing inside another: well within what the
 /// notation takes.

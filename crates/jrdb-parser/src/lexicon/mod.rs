@@ -12,7 +12,7 @@ use jrdb_types::{Condition, DistanceWord};
 pub(crate) use read::{Garment, Limit, Measured};
 pub(crate) use role::{Role, Roles};
 
-use crate::words::Piece;
+use crate::token::Piece;
 
 /// What a word or phrase means: in one or several of these respects.
 #[derive(Debug, Default)]
@@ -304,8 +304,8 @@ mod tests {
     use super::*;
 
     fn entry(phrase: &str) -> &'static Entry {
-        let mut pieces = crate::words::Pieces::new();
-        crate::words::split_known(phrase, &mut pieces, &mut Vec::new());
+        let mut pieces = crate::token::Pieces::new();
+        crate::token::split_known(phrase, &mut pieces, &mut Vec::new());
         let (entry, more) = LEXICON.longest(pieces[0].word, &pieces[1..]);
         assert_eq!(more + 1, pieces.len(), "{phrase}");
         LEXICON.entry(entry)

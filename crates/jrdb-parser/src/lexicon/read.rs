@@ -7,7 +7,7 @@ use jrdb_types::{Condition, DistanceWord, Pattern, Query};
 use super::role::Role;
 use super::{Entry, Lexicon};
 use crate::notation;
-use crate::words;
+use crate::token as words;
 
 /// What a superlative or comparative is about; a distance is to the robot unless a thing is named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

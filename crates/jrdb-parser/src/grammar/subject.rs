@@ -4,13 +4,13 @@ use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::coordination::set_count;
-use crate::joined::split_from;
+use crate::grammar::coordination::set_count;
+use crate::grammar::noun::Thing;
+use crate::grammar::possession::related;
+use crate::grammar::question::Target;
 use crate::lexicon::{Role, Roles};
-use crate::noun::Thing;
 use crate::parser::Parser;
-use crate::place::related;
-use crate::question::Target;
+use crate::pattern::split_from;
 
 /// What begins a place that may belong to the subject.
 const PLACES: Roles = Roles::of(&[
@@ -76,7 +76,7 @@ impl Parser<'_> {
     }
 
     fn place_of_subject(&mut self, pattern: &mut Pattern) -> bool {
-        !self.is_end() && self.predicate(pattern, crate::predicate::Behind::Noun)
+        !self.is_end() && self.predicate(pattern, crate::grammar::predicate::Behind::Noun)
     }
 
     /// "a woman", "the tallest" behind the subject of a question.

@@ -3,13 +3,13 @@
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
-use crate::clothes::CLOTHES_START;
-use crate::joined::{all_of, any_of, split_from};
+use crate::grammar::clothes::CLOTHES_START;
+use crate::grammar::noun::NOUN_START;
+use crate::grammar::place::SPOT_START;
+use crate::grammar::possession::push_related;
 use crate::lexicon::{Role, Roles};
-use crate::noun::NOUN_START;
 use crate::parser::Parser;
-use crate::place::push_related;
-use crate::spot::SPOT_START;
+use crate::pattern::{all_of, any_of, split_from};
 
 /// What a predicate stands behind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -219,7 +219,7 @@ impl Parser<'_> {
             return false;
         }
         for partner in partners {
-            let condition = crate::coordination::alternative(partner.pattern, &category);
+            let condition = crate::grammar::coordination::alternative(partner.pattern, &category);
             pattern.conditions.push(Condition::Not(Box::new(condition)));
         }
         true

@@ -6,13 +6,13 @@ use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
 use crate::OfPerson;
-use crate::coordination::{Partner, remembered};
-use crate::joined::{any_of, levels};
+use crate::grammar::coordination::{Partner, remembered};
+use crate::grammar::noun::Thing;
+use crate::grammar::place::{Anchor, Spot, is_robot};
+use crate::grammar::predicate::Behind;
 use crate::lexicon::{Role, Roles};
-use crate::noun::Thing;
 use crate::parser::Parser;
-use crate::predicate::Behind;
-use crate::spot::{Anchor, Spot, is_robot};
+use crate::pattern::{any_of, levels};
 
 impl Parser<'_> {
     /// "close to me", "to the left of a child", "at a far distance".

@@ -3,9 +3,9 @@
 use jrdb_types::query::{Category, Place, Quantity};
 use jrdb_types::{Condition, Direction, Pattern};
 
-use crate::joined::join;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
+use crate::pattern::join;
 
 /// A noun phrase.
 #[derive(Debug, Default)]
@@ -272,7 +272,7 @@ impl Parser<'_> {
             return self.chosen(thing);
         }
         if roles.has(Role::Non) && self.is_at(at + 1, Role::Says) && self.is_noun_ahead(at + 1) {
-            let said = crate::joined::all_of(self.entry_at(at + 1).says.clone());
+            let said = crate::pattern::all_of(self.entry_at(at + 1).says.clone());
             conditions.push(Condition::Not(Box::new(said)));
             self.at += 2;
             return true;

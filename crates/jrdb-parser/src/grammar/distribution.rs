@@ -5,12 +5,12 @@ use jrdb_types::query::{Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::coordination::{alternative, either};
-use crate::deed::bare_label;
-use crate::joined::{all_of, any_of, split_from};
+use crate::grammar::coordination::{alternative, either};
+use crate::grammar::interaction::bare_label;
+use crate::grammar::possession::related;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::place::related;
+use crate::pattern::{all_of, any_of, split_from};
 
 /// One of several things, with what is said behind its noun.
 pub(crate) struct Part {

@@ -5,12 +5,12 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::vocab::PairWord;
 
-use crate::joined::excludes;
-use crate::joined::{all_of, any_of, split_from};
+use crate::grammar::predicate::Behind;
+use crate::grammar::subject::identify;
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
-use crate::predicate::Behind;
-use crate::subject::identify;
+use crate::pattern::excludes;
+use crate::pattern::{all_of, any_of, split_from};
 
 /// How much of what follows belongs to a thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use jrdb_types::{Direction, DistanceWord, Pattern};
 
 use smallvec::SmallVec;
 
-use crate::coordination::Partner;
+use crate::grammar::coordination::Partner;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 

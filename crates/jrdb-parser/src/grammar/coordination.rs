@@ -3,11 +3,11 @@
 use jrdb_types::query::{Category, Measure, Quantity, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
-use crate::clause::Scope;
-use crate::joined::{all_of, any_of};
+use crate::grammar::clause::Scope;
+use crate::grammar::noun::NOUN_START;
 use crate::lexicon::{Role, Roles};
-use crate::noun::NOUN_START;
 use crate::parser::Parser;
+use crate::pattern::{all_of, any_of};
 
 /// What "his left" may be told with, between a noun and "his".
 const TO_HIM: Roles = Roles::of(&[Role::Located, Role::To, Role::At, Role::Filler, Role::Relative]);

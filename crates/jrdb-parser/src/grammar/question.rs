@@ -4,13 +4,13 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
 use jrdb_types::{Condition, Issue, Pattern, Query};
 
-use crate::clause::Scope;
-use crate::coordination::{either, remembered, set_count};
-use crate::joined::{all_of, split_from};
+use crate::grammar::clause::Scope;
+use crate::grammar::coordination::{either, remembered, set_count};
+use crate::grammar::distribution::Part;
+use crate::grammar::noun::Thing;
 use crate::lexicon::{Role, Roles};
-use crate::noun::Thing;
 use crate::parser::Parser;
-use crate::shared::Part;
+use crate::pattern::{all_of, split_from};
 
 /// What "describe" tells.
 const DESCRIPTION: [Property; 4] =

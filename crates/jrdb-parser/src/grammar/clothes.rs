@@ -5,10 +5,10 @@ use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
 use jrdb_types::{Condition, Pattern};
 
-use crate::joined::{all_of, any_of, join, split_from};
+use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Garment, Role, Roles};
-use crate::noun::BEFORE_NOUN;
 use crate::parser::Parser;
+use crate::pattern::{all_of, any_of, join, split_from};
 
 /// What may stand before clothes.
 pub(crate) const CLOTHES_START: Roles =

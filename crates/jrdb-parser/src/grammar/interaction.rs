@@ -4,10 +4,10 @@ use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::coordination::{Partner, remembered};
+use crate::grammar::coordination::{Partner, remembered};
+use crate::grammar::possession::push_related;
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
-use crate::place::push_related;
 
 impl Parser<'_> {
     /// Partners of a subject; "him" among them is what was spoken of before.
