@@ -4,44 +4,11 @@ use jrdb_types::query::{Measure, Order, Task};
 use jrdb_types::vocab::{Color, Elevation, Sector};
 use jrdb_types::{Condition, DistanceWord, Pattern, Query};
 
+use super::entry::{Entry, Garment, Limit, Measured};
+use super::piece::{self, Piece, special};
 use super::role::Role;
-use super::{Entry, Lexicon};
+use super::table::Lexicon;
 use crate::notation;
-use crate::token as words;
-
-/// What a superlative or comparative is about; a distance is to the robot unless a thing is named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Measured {
-    Distance,
-    FromLeft,
-    Height,
-    Age,
-    Speed,
-}
-
-/// How a number limits what it counts or measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Limit {
-    AtMost,
-    LessThan,
-    AtLeast,
-    MoreThan,
-    Exactly,
-    About,
-}
-
-/// Where a piece of clothing is worn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Garment {
-    /// Above the waist.
-    Upper,
-    /// Below the waist.
-    Lower,
-    /// Above, below or both.
-    Any,
-    /// On the head, the feet or elsewhere.
-    Other,
-}
 
 /// Reads the whole file; the error is the line at fault.
 pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
@@ -49,7 +16,7 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
     for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
         let (phrases, meanings) = line.split_once(" -> ").ok_or(line)?;
         for phrase in phrases.split(", ") {
-            let pieces = words::split(phrase).map(|(piece, _)| lexicon.piece(phrase, piece));
+            let pieces = piece::split(phrase).map(|(piece, _)| lexicon.piece(phrase, piece));
             let numbers: Vec<u16> = pieces.collect::<Option<_>>().ok_or(line)?;
             if numbers.is_empty() {
                 return Err(line.to_owned());
@@ -67,8 +34,8 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
 }
 
 impl Lexicon {
-    fn piece(&mut self, phrase: &'static str, piece: words::Piece) -> Option<u16> {
-        if piece.word < super::special::COUNT && piece.word != super::special::UNKNOWN {
+    fn piece(&mut self, phrase: &'static str, piece: Piece) -> Option<u16> {
+        if piece.word < special::COUNT && piece.word != special::UNKNOWN {
             return Some(piece.word);
         }
         self.intern(&phrase[piece.start..piece.end])
