@@ -4,7 +4,7 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Slot;
 use jrdb_types::{Issue, Pattern, Span};
 
-use crate::ParserConfig;
+use crate::config::ParserConfig;
 use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
 use crate::suggest::{Suggestion, suggest};
 use crate::token::{SUGGESTIONS_MAX, Token, Tokens, tokenize};

@@ -5,23 +5,10 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::vocab::PairWord;
 
-use crate::grammar::predicate::Behind;
-use crate::grammar::subject::identify;
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::excludes;
-use crate::pattern::{all_of, any_of, split_from};
-
-/// How much of what follows belongs to a thing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Scope {
-    /// All of it: the thing asked for.
-    Top,
-    /// A partner behind "who": until a joint that begins anew.
-    Relative,
-    /// A partner: until a joint or a verb.
-    Reduced,
-}
+use crate::pattern::{all_of, any_of, excludes, identify, split_from};
+use crate::phrase::{Behind, Scope};
 
 /// Where the reader of clauses stands.
 struct Course {

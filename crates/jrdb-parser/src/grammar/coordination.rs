@@ -1,25 +1,16 @@
 //! Several things of one role: "the door and the table", "the tallest man or the woman next to him".
 
-use jrdb_types::query::{Category, Measure, Quantity, RelationKind};
+use jrdb_types::query::Category;
 use jrdb_types::{Condition, Pattern};
 
-use crate::grammar::clause::Scope;
 use crate::grammar::noun::NOUN_START;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, any_of};
+use crate::pattern::{either, remembered, set_count};
+use crate::phrase::{Partner, Scope};
 
 /// What "his left" may be told with, between a noun and "his".
 const TO_HIM: Roles = Roles::of(&[Role::Located, Role::To, Role::At, Role::Filler, Role::Relative]);
-
-/// A partner and how many of it there must be.
-#[derive(Debug, Default)]
-pub(crate) struct Partner {
-    pub(crate) pattern: Pattern,
-    pub(crate) quantity: Quantity,
-    /// "every chair" was said.
-    pub(crate) is_all: bool,
-}
 
 impl Parser<'_> {
     /// The robot, "him" or one thing with what is said of it.
@@ -226,77 +217,4 @@ impl Parser<'_> {
         let next = self.after(self.at + 1, LIST);
         self.is_told_of_him(next)
     }
-}
-
-/// "The two women closest to me": the number is of the choice.
-pub(crate) fn set_count(pattern: &mut Pattern, count: Option<(u32, usize)>) {
-    if let (Some(pick), Some((count, _))) = (&mut pattern.pick, count) {
-        pick.count = count;
-    }
-}
-
-/// Things that are one of these.
-pub(crate) fn either(mut things: Vec<Pattern>) -> Pattern {
-    if things.len() < 2 {
-        return things.pop().unwrap_or_default();
-    }
-    let first = things[0].category.clone();
-    let same = things.iter().all(|thing| thing.category == first);
-    let category = if same { first } else { Category::Anything };
-    let parts = things.into_iter().map(|thing| alternative(thing, &category)).collect();
-    Pattern { conditions: vec![any_of(parts)], category, pick: None }
-}
-
-/// What must hold of a thing of a category for it to be one of the pattern.
-pub(crate) fn alternative(pattern: Pattern, category: &Category) -> Condition {
-    let is_plain = pattern.pick.is_none() && pattern.category == *category;
-    if is_plain && !pattern.conditions.is_empty() {
-        all_of(pattern.conditions)
-    } else {
-        Condition::Is(Box::new(pattern))
-    }
-}
-
-/// Conditions that a pronoun stands for at most, and the parts that each may have; a question whose pronouns stand for
-/// pronouns would grow without bound.
-const REMEMBERED_MAX: usize = 8;
-
-/// What is kept of a thing for the pronouns that follow: all that is said of it, but for what is very long.
-pub(crate) fn remembered(pattern: &Pattern) -> Pattern {
-    let is_short = |condition: &&Condition| fits(condition, &mut { REMEMBERED_MAX });
-    let conditions = pattern.conditions.iter().take(REMEMBERED_MAX).filter(is_short);
-    let pick = pattern.pick.as_ref().filter(|pick| match &pick.measure {
-        Measure::DistanceTo(things) => pattern_fits(things, &mut { REMEMBERED_MAX }),
-        _ => true,
-    });
-    Pattern {
-        category: pattern.category.clone(),
-        conditions: conditions.cloned().collect(),
-        pick: pick.cloned(),
-    }
-}
-
-/// Whether a condition has no more parts than are left; takes them off.
-fn fits(condition: &Condition, left: &mut usize) -> bool {
-    let Some(rest) = left.checked_sub(1) else { return false };
-    *left = rest;
-    match condition {
-        Condition::Related(related) => {
-            let kind_fits = |kind: &RelationKind, left: &mut usize| match kind {
-                RelationKind::Between(other) => pattern_fits(other, left),
-                _ => true,
-            };
-            related.kinds.iter().all(|kind| kind_fits(kind, left))
-                && pattern_fits(&related.partner, left)
-        }
-        Condition::Compared(compared) => pattern_fits(&compared.than, left),
-        Condition::Is(pattern) => pattern_fits(pattern, left),
-        Condition::Not(inner) => fits(inner, left),
-        Condition::Any(parts) | Condition::All(parts) => parts.iter().all(|part| fits(part, left)),
-        _ => true,
-    }
-}
-
-fn pattern_fits(pattern: &Pattern, left: &mut usize) -> bool {
-    pattern.conditions.iter().all(|condition| fits(condition, left))
 }

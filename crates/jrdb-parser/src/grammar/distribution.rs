@@ -5,24 +5,10 @@ use jrdb_types::query::{Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::grammar::coordination::{alternative, either};
-use crate::grammar::interaction::bare_label;
-use crate::grammar::possession::related;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, any_of, split_from};
-
-/// One of several things, with what is said behind its noun.
-pub(crate) struct Part {
-    pub(crate) pattern: Pattern,
-    /// How many conditions stand before or in its noun.
-    pub(crate) head: usize,
-    /// The place of its first word, and of the first word behind its noun.
-    pub(crate) start: usize,
-    pub(crate) told: usize,
-    /// "and" was before it.
-    pub(crate) is_joined: bool,
-}
+use crate::pattern::{all_of, alternative, any_of, bare_label, either, related, split_from};
+use crate::phrase::Part;
 
 /// Of which of several things the clause behind the last is said.
 #[derive(PartialEq, Eq)]

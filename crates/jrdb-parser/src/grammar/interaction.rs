@@ -1,13 +1,13 @@
 //! What is done: "walking with a woman", "holding a bag", "facing me", "next to the door".
 
+use jrdb_types::Pattern;
 use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
-use jrdb_types::{Condition, Pattern};
 
-use crate::grammar::coordination::{Partner, remembered};
-use crate::grammar::possession::push_related;
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
+use crate::pattern::{push_related, remembered};
+use crate::phrase::Partner;
 
 impl Parser<'_> {
     /// Partners of a subject; "him" among them is what was spoken of before.
@@ -263,14 +263,5 @@ fn each_other(kind: &RelationKind, entry: &Entry) -> RelationKind {
             RelationKind::Pair(PairWord::FacingEachOther)
         }
         (None, other) => other.clone(),
-    }
-}
-
-/// Whether a condition is a deed with nobody and nothing named.
-pub(crate) fn bare_label(condition: &Condition) -> Option<&str> {
-    let Condition::Related(related) = condition else { return None };
-    match &related.kinds[..] {
-        [RelationKind::Interaction(label)] if related.partner.conditions.is_empty() => Some(label),
-        _ => None,
     }
 }

@@ -5,36 +5,8 @@ use jrdb_types::{Condition, Direction, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::join;
-
-/// A noun phrase.
-#[derive(Debug, Default)]
-pub(crate) struct Thing {
-    pub(crate) pattern: Pattern,
-    /// "at least two", "no".
-    pub(crate) quantity: Option<Quantity>,
-    /// "two", with the place of the word.
-    pub(crate) count: Option<(u32, usize)>,
-    /// "second", with the place of the word.
-    pub(crate) rank: Option<(u32, usize)>,
-    /// "last": the rank is from the other end.
-    pub(crate) is_last: bool,
-    /// "all", "everyone".
-    pub(crate) is_all: bool,
-    /// The place of its first word.
-    pub(crate) start: usize,
-    /// "those" and nothing else.
-    pub(crate) is_pronoun: bool,
-}
-
-impl Thing {
-    /// How many there must be, where it is not the words of a choice.
-    pub(crate) fn how_many(&self) -> Quantity {
-        let count = self.count.filter(|(count, _)| *count > 1);
-        let counted = count.map(|(count, _)| Quantity::at_least(count));
-        self.quantity.or(counted).unwrap_or_default()
-    }
-}
+use crate::pattern::{all_of, join};
+use crate::phrase::Thing;
 
 /// Words before a noun that say nothing of the thing.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::Filler]);
@@ -272,7 +244,7 @@ impl Parser<'_> {
             return self.chosen(thing);
         }
         if roles.has(Role::Non) && self.is_at(at + 1, Role::Says) && self.is_noun_ahead(at + 1) {
-            let said = crate::pattern::all_of(self.entry_at(at + 1).says.clone());
+            let said = all_of(self.entry_at(at + 1).says.clone());
             conditions.push(Condition::Not(Box::new(said)));
             self.at += 2;
             return true;

@@ -1,104 +1,12 @@
 //! The words of a place: "at a close distance to the front left of", "within 3 metres", "at your 2 o'clock".
 
-use jrdb_types::query::{Interval, Place};
-use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::query::Place;
+use jrdb_types::vocab::Elevation;
 use jrdb_types::{Direction, DistanceWord, Pattern};
 
-use smallvec::SmallVec;
-
-use crate::grammar::coordination::Partner;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-
-/// Degrees between two hours of a clock's face.
-const HOUR_DEG: f64 = 30.0;
-
-/// The greatest angle to one side.
-const HALF_TURN_DEG: f64 = 180.0;
-
-/// "near" a thing: the benchmark's "close" and "very close", metres.
-const NEAR_M: f64 = DistanceWord::Close.bounds_m().1;
-
-/// "far from" a thing: the benchmark's "far" and "very far", metres.
-const FAR_M: f64 = DistanceWord::Far.bounds_m().0;
-
-/// Things said of one place at most.
-const PLACES_MAX: usize = 4;
-
-/// What is said of a place.
-#[derive(Debug, Default)]
-pub(crate) struct Spot {
-    pub(crate) places: SmallVec<[Place; PLACES_MAX]>,
-    /// Place of the distance that was said without the word "distance": "near".
-    loose: Option<usize>,
-    /// Where "left" or "right" stands.
-    pub(crate) sided: Option<usize>,
-    /// From where it is told.
-    pub(crate) anchor: Anchor,
-}
-
-impl Spot {
-    fn push(&mut self, place: Place) -> bool {
-        let has_room = self.places.len() < PLACES_MAX;
-        if has_room {
-            self.places.push(place);
-        }
-        has_room
-    }
-
-    fn is_anchored(&self) -> bool {
-        !matches!(self.anchor, Anchor::Unsaid)
-    }
-
-    /// Makes the side that was just read an angle to that side; false when it was no side.
-    fn turn(&mut self, degrees: f64) -> bool {
-        let last = self.places.last_mut().filter(|_| self.sided.is_some());
-        let Some(last) = last else { return false };
-        let center = match last {
-            Place::Direction(Direction { sector: Sector::Left, .. }) => degrees,
-            Place::Direction(Direction { sector: Sector::Right, .. })
-                if degrees < HALF_TURN_DEG =>
-            {
-                -degrees
-            }
-            Place::Direction(Direction { sector: Sector::Right, .. }) => degrees,
-            _ => return false,
-        };
-        *last = Place::Degrees { center: center + 0.0, half_width: HOUR_DEG / 2.0 };
-        true
-    }
-
-    /// The places as they are meant beside a thing: "near a table" is at most 1.5 m from it, very close or close.
-    pub(crate) fn loosen(&mut self) {
-        let Some(place) = self.loose.and_then(|at| self.places.get_mut(at)) else {
-            return;
-        };
-        match place {
-            Place::Distance(DistanceWord::Close) => {
-                *place = Place::Metres(Interval { min: None, max: Some(NEAR_M) });
-            }
-            Place::Distance(DistanceWord::Far) => {
-                *place = Place::Metres(Interval { min: Some(FAR_M), max: None });
-            }
-            _ => {}
-        }
-    }
-}
-
-/// From where a place is told.
-#[derive(Debug, Default)]
-pub(crate) enum Anchor {
-    #[default]
-    Unsaid,
-    Robot,
-    /// "his left".
-    His,
-    /// "behind him".
-    Him,
-    /// "the man's left".
-    Own(Pattern),
-    Things(Vec<Partner>),
-}
+use crate::phrase::{Anchor, HALF_TURN_DEG, HOUR_DEG, Partner, Spot, is_robot};
 
 /// Words before a place.
 const LEAD: Roles = Roles::of(&[
@@ -388,8 +296,4 @@ impl Parser<'_> {
             _ => Anchor::Things(partners),
         }
     }
-}
-
-pub(crate) fn is_robot(partner: &Partner) -> bool {
-    partner.pattern.category == jrdb_types::query::Category::Robot
 }

@@ -1,18 +1,15 @@
 //! Places as conditions: seen from the robot, or between two things.
 
 use jrdb_types::issue::IssueKind;
-use jrdb_types::query::{Category, Place, Quantity, Related, RelationKind, Viewpoint};
+use jrdb_types::query::{Category, Place, Quantity, RelationKind, Viewpoint};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::OfPerson;
-use crate::grammar::coordination::{Partner, remembered};
-use crate::grammar::noun::Thing;
-use crate::grammar::place::{Anchor, Spot, is_robot};
-use crate::grammar::predicate::Behind;
+use crate::config::OfPerson;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{any_of, levels};
+use crate::pattern::{any_of, levels, push_related, related, remembered};
+use crate::phrase::{Anchor, Behind, Partner, Spot, Thing, is_robot};
 
 impl Parser<'_> {
     /// "close to me", "to the left of a child", "at a far distance".
@@ -320,20 +317,4 @@ fn kinds(spot: &Spot, viewpoint: Viewpoint) -> Vec<RelationKind> {
         RelationKind::Placed { place: *place, viewpoint }
     };
     spot.places.iter().map(kind).collect()
-}
-
-pub(crate) fn related(kinds: Vec<RelationKind>, partner: Pattern, quantity: Quantity) -> Condition {
-    Condition::Related(Related { kinds, partner, quantity })
-}
-
-pub(crate) fn push_related(
-    pattern: &mut Pattern,
-    kinds: Vec<RelationKind>,
-    partner: Pattern,
-    quantity: Quantity,
-) {
-    let is_none = quantity == Quantity::NONE;
-    let quantity = if is_none { Quantity::SOME } else { quantity };
-    let one = related(kinds, partner, quantity);
-    pattern.conditions.push(if is_none { Condition::Not(Box::new(one)) } else { one });
 }

@@ -6,21 +6,10 @@ use jrdb_types::{Condition, Pattern};
 use crate::grammar::clothes::CLOTHES_START;
 use crate::grammar::noun::NOUN_START;
 use crate::grammar::place::SPOT_START;
-use crate::grammar::possession::push_related;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, any_of, split_from};
-
-/// What a predicate stands behind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Behind {
-    /// "who" or "is": it may be a noun.
-    Verb,
-    /// The noun of the thing asked for.
-    Noun,
-    /// The noun of a partner, whose relation may go on behind it.
-    Partner,
-}
+use crate::pattern::{all_of, alternative, any_of, push_related, split_from};
+use crate::phrase::Behind;
 
 impl Parser<'_> {
     /// Predicates that stand together without a joint: "sitting near the table".
@@ -219,7 +208,7 @@ impl Parser<'_> {
             return false;
         }
         for partner in partners {
-            let condition = crate::grammar::coordination::alternative(partner.pattern, &category);
+            let condition = alternative(partner.pattern, &category);
             pattern.conditions.push(Condition::Not(Box::new(condition)));
         }
         true

@@ -4,13 +4,10 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
 use jrdb_types::{Condition, Issue, Pattern, Query};
 
-use crate::grammar::clause::Scope;
-use crate::grammar::coordination::{either, remembered, set_count};
-use crate::grammar::distribution::Part;
-use crate::grammar::noun::Thing;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, split_from};
+use crate::pattern::{all_of, either, remembered, set_count, split_from};
+use crate::phrase::{Part, Scope, Target, Thing};
 
 /// What "describe" tells.
 const DESCRIPTION: [Property; 4] =
@@ -27,17 +24,6 @@ const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma]);
 
 /// What "all" without a noun may stand before.
 const EXCEPT: Roles = Roles::of(&[Role::Except, Role::But]);
-
-/// The thing asked for, and what was said of its number.
-#[derive(Clone, Default)]
-pub(crate) struct Target {
-    pub(crate) pattern: Pattern,
-    pub(crate) quantity: Option<Quantity>,
-    pub(crate) count: Option<(u32, usize)>,
-    pub(crate) is_all: bool,
-    /// How many conditions the noun phrase has.
-    pub(crate) head: usize,
-}
 
 impl Parser<'_> {
     /// Reads the whole question.

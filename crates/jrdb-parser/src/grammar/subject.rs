@@ -4,13 +4,10 @@ use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
-use crate::grammar::coordination::set_count;
-use crate::grammar::noun::Thing;
-use crate::grammar::possession::related;
-use crate::grammar::question::Target;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::split_from;
+use crate::pattern::{identify, related, set_count, split_from};
+use crate::phrase::{Behind, Target, Thing};
 
 /// What begins a place that may belong to the subject.
 const PLACES: Roles = Roles::of(&[
@@ -76,7 +73,7 @@ impl Parser<'_> {
     }
 
     fn place_of_subject(&mut self, pattern: &mut Pattern) -> bool {
-        !self.is_end() && self.predicate(pattern, crate::grammar::predicate::Behind::Noun)
+        !self.is_end() && self.predicate(pattern, Behind::Noun)
     }
 
     /// "a woman", "the tallest" behind the subject of a question.
@@ -150,11 +147,4 @@ impl Parser<'_> {
         let ends = self.is_end() || self.roles().has_any(CLAUSE_ENDS);
         ends.then(|| related(vec![kind], doer, quantity))
     }
-}
-
-/// Makes a choice a condition, so that what is said next is said of the one chosen, and chooses no other.
-pub(crate) fn identify(pattern: &mut Pattern) {
-    let category = pattern.category.clone();
-    let chosen = std::mem::replace(pattern, Pattern::of(category));
-    pattern.conditions.push(Condition::Is(Box::new(chosen)));
 }

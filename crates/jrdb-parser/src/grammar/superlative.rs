@@ -7,11 +7,11 @@ use jrdb_types::query::{
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
 
-use crate::grammar::noun::Thing;
 use crate::grammar::number::rounded_m;
-use crate::grammar::possession::push_related;
 use crate::lexicon::{Measured, Role, Roles};
 use crate::parser::Parser;
+use crate::pattern::push_related;
+use crate::phrase::Thing;
 
 /// Words that may stand between "closest" or "second" and the place it is told from.
 const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);

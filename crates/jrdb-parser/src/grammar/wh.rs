@@ -4,12 +4,11 @@ use jrdb_types::Pattern;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Property, Quantity, RelationKind, Task};
 
-use crate::grammar::noun::Thing;
-use crate::grammar::possession::related;
-use crate::grammar::question::{COPULA, Target};
-use crate::grammar::subject::identify;
+use crate::grammar::question::COPULA;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
+use crate::pattern::{identify, related};
+use crate::phrase::{Target, Thing};
 
 impl Parser<'_> {
     /// "how far is the man", "which direction is he in".

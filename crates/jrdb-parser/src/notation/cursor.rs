@@ -2,7 +2,7 @@
 
 use jrdb_types::Span;
 
-use super::read::NotationError;
+use super::error::NotationError;
 use super::token::{Kind, Token, tokenize};
 
 /// Patterns and conditions inside each other at most; nobody writes as many.

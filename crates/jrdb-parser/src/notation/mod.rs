@@ -9,11 +9,13 @@
 //! `docs/formats.md` has the grammar. [`write()`] and [`read`] are inverse to each other.
 
 mod cursor;
+mod error;
 mod read;
 mod token;
 mod write;
 
-pub use read::{NotationError, read};
+pub use error::NotationError;
+pub use read::read;
 pub use write::write;
 
 use jrdb_types::query::Property;

@@ -5,25 +5,12 @@ use jrdb_types::query::{
     RelationKind, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Color, Elevation, PairWord, Sector};
-use jrdb_types::{
-    Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race, Span,
-};
+use jrdb_types::{Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race};
 
 use super::PROPERTIES;
 use super::cursor::{Read, Reader};
+use super::error::NotationError;
 use super::token::Kind;
-
-/// A text that is no notation: what was expected, what stands there, and where.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("expected {expected}, found {found} at byte {}", span.start)]
-pub struct NotationError {
-    /// What could stand there.
-    pub expected: String,
-    /// What does.
-    pub found: String,
-    /// Where, bytes of the text.
-    pub span: Span,
-}
 
 /// Reads a query in the notation; its `text` is the notation itself.
 ///
