@@ -28,7 +28,7 @@ pub(crate) struct Parser<'t> {
     pub(crate) depth: usize,
     pub(crate) issues: Vec<Issue>,
     /// What "him" can mean besides the partners of the thing spoken of.
-    pub(crate) spoken: Option<Pattern>,
+    pub(crate) antecedent: Option<Pattern>,
     /// The last noun: what "the one" stands for.
     pub(crate) last_noun: Option<&'static Entry>,
     /// Finished slots, and the time of the one that is being read.
@@ -51,7 +51,7 @@ pub(crate) struct Parser<'t> {
 
 /// A place to return to.
 #[derive(Clone, Copy)]
-pub(crate) struct Mark {
+pub(crate) struct Checkpoint {
     at: usize,
     issues: usize,
 }
@@ -72,7 +72,7 @@ impl<'t> Parser<'t> {
             at: 0,
             depth: 0,
             issues,
-            spoken: None,
+            antecedent: None,
             last_noun: None,
             slots: Vec::new(),
             during: None,
@@ -115,18 +115,18 @@ impl<'t> Parser<'t> {
     }
 
     /// Steps over the word at hand when it has the role.
-    pub(crate) fn take(&mut self, role: Role) -> bool {
+    pub(crate) fn eat(&mut self, role: Role) -> bool {
         let found = self.is(role);
         self.at += usize::from(found);
         found
     }
 
-    pub(crate) fn skip(&mut self, roles: Roles) {
-        self.at = self.after(self.at, roles);
+    pub(crate) fn skip_while(&mut self, roles: Roles) {
+        self.at = self.next_not_in(self.at, roles);
     }
 
     /// The first place from `at` on whose word has none of the roles.
-    pub(crate) fn after(&self, mut at: usize, roles: Roles) -> usize {
+    pub(crate) fn next_not_in(&self, mut at: usize, roles: Roles) -> usize {
         while self.roles_at(at).has_any(roles) {
             at += 1;
         }
@@ -138,13 +138,13 @@ impl<'t> Parser<'t> {
         self.tokens = self.tokens.split_last().map_or(&[], |(_, others)| others);
     }
 
-    pub(crate) fn mark(&self) -> Mark {
-        Mark { at: self.at, issues: self.issues.len() }
+    pub(crate) fn checkpoint(&self) -> Checkpoint {
+        Checkpoint { at: self.at, issues: self.issues.len() }
     }
 
-    pub(crate) fn reset(&mut self, mark: Mark) {
-        self.at = mark.at;
-        self.issues.truncate(mark.issues);
+    pub(crate) fn rewind(&mut self, checkpoint: Checkpoint) {
+        self.at = checkpoint.at;
+        self.issues.truncate(checkpoint.issues);
     }
 
     /// Whether something of so many levels may stand inside another here: three levels for each that can still be read.
@@ -157,7 +157,7 @@ impl<'t> Parser<'t> {
     }
 
     /// Runs a reader one level deeper; nothing is read at the deepest level, which is reported in the end.
-    pub(crate) fn deeper<T: Default>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
+    pub(crate) fn nested<T: Default>(&mut self, read: impl FnOnce(&mut Self) -> T) -> T {
         if self.depth == DEPTH_MAX {
             self.too_deep = self.too_deep.or(Some(self.at));
             return T::default();
@@ -205,12 +205,12 @@ impl<'t> Parser<'t> {
         }
         let (at, entry) = (self.at, self.entry());
         self.at += 1;
-        if let Some(lacks) = &entry.lacks {
+        if let Some(unsupported) = &entry.unsupported {
             return self.report(
                 IssueKind::NotInGraph,
                 at,
                 at + 1,
-                format!("{lacks} are not known here, not used"),
+                format!("{unsupported} are not known here, not used"),
             );
         }
         let span = self.span(at, at + 1);
@@ -227,7 +227,7 @@ impl<'t> Parser<'t> {
     }
 
     /// Steps over a word that names a thing that is not known, with an issue.
-    pub(crate) fn report_stranger(&mut self) {
+    pub(crate) fn report_unknown_noun(&mut self) {
         self.report_unused();
         if let Some(issue) = self.issues.last_mut() {
             issue.message = issue.message.replace(", not used", ", read as anything");
@@ -265,8 +265,8 @@ impl<'t> Parser<'t> {
     }
 
     /// Steps over something that no scene graph holds, with an issue; false when the word at hand is known.
-    pub(crate) fn lacks(&mut self) -> bool {
-        let found = self.is(Role::Lacks);
+    pub(crate) fn eat_unsupported(&mut self) -> bool {
+        let found = self.is(Role::Unsupported);
         if found {
             self.report_unused();
         }
@@ -280,7 +280,7 @@ pub(crate) fn has_known_word(text: &str) -> bool {
         Role::Noun,
         Role::Find,
         Role::Count,
-        Role::Says,
+        Role::Implies,
         Role::Robot,
         Role::Who,
         Role::Which,

@@ -133,14 +133,14 @@ pub(crate) fn alternative(pattern: Pattern, category: &Category) -> Condition {
 
 /// Conditions that a pronoun stands for at most, and the parts that each may have; a question whose pronouns stand for
 /// pronouns would grow without bound.
-const REMEMBERED_MAX: usize = 8;
+const ANTECEDENT_MAX: usize = 8;
 
 /// What is kept of a thing for the pronouns that follow: all that is said of it, but for what is very long.
-pub(crate) fn remembered(pattern: &Pattern) -> Pattern {
-    let is_short = |condition: &&Condition| fits(condition, &mut { REMEMBERED_MAX });
-    let conditions = pattern.conditions.iter().take(REMEMBERED_MAX).filter(is_short);
+pub(crate) fn truncated_antecedent(pattern: &Pattern) -> Pattern {
+    let is_short = |condition: &&Condition| fits(condition, &mut { ANTECEDENT_MAX });
+    let conditions = pattern.conditions.iter().take(ANTECEDENT_MAX).filter(is_short);
     let pick = pattern.pick.as_ref().filter(|pick| match &pick.measure {
-        Measure::DistanceTo(things) => pattern_fits(things, &mut { REMEMBERED_MAX }),
+        Measure::DistanceTo(things) => pattern_fits(things, &mut { ANTECEDENT_MAX }),
         _ => true,
     });
     Pattern {

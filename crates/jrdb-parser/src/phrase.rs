@@ -19,7 +19,7 @@ pub(crate) enum Scope {
 
 /// What a predicate stands behind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Behind {
+pub(crate) enum After {
     /// "who" or "is": it may be a noun.
     Verb,
     /// The noun of the thing asked for.
@@ -30,7 +30,7 @@ pub(crate) enum Behind {
 
 /// A noun phrase.
 #[derive(Debug, Default)]
-pub(crate) struct Thing {
+pub(crate) struct NounGroup {
     pub(crate) pattern: Pattern,
     /// "at least two", "no".
     pub(crate) quantity: Option<Quantity>,
@@ -48,7 +48,7 @@ pub(crate) struct Thing {
     pub(crate) is_pronoun: bool,
 }
 
-impl Thing {
+impl NounGroup {
     /// How many there must be, where it is not the words of a choice.
     pub(crate) fn how_many(&self) -> Quantity {
         let count = self.count.filter(|(count, _)| *count > 1);
@@ -106,17 +106,17 @@ const PLACES_MAX: usize = 4;
 
 /// What is said of a place.
 #[derive(Debug, Default)]
-pub(crate) struct Spot {
+pub(crate) struct LocationPhrase {
     pub(crate) places: SmallVec<[Place; PLACES_MAX]>,
     /// Place of the distance that was said without the word "distance": "near".
-    pub(crate) loose: Option<usize>,
+    pub(crate) bare_distance: Option<usize>,
     /// Where "left" or "right" stands.
     pub(crate) sided: Option<usize>,
     /// From where it is told.
-    pub(crate) anchor: Anchor,
+    pub(crate) reference: Reference,
 }
 
-impl Spot {
+impl LocationPhrase {
     pub(crate) fn push(&mut self, place: Place) -> bool {
         let has_room = self.places.len() < PLACES_MAX;
         if has_room {
@@ -125,12 +125,12 @@ impl Spot {
         has_room
     }
 
-    pub(crate) fn is_anchored(&self) -> bool {
-        !matches!(self.anchor, Anchor::Unsaid)
+    pub(crate) fn has_reference(&self) -> bool {
+        !matches!(self.reference, Reference::Unsaid)
     }
 
     /// Makes the side that was just read an angle to that side; false when it was no side.
-    pub(crate) fn turn(&mut self, degrees: f64) -> bool {
+    pub(crate) fn turn_to_degrees(&mut self, degrees: f64) -> bool {
         let last = self.places.last_mut().filter(|_| self.sided.is_some());
         let Some(last) = last else { return false };
         let center = match last {
@@ -148,8 +148,8 @@ impl Spot {
     }
 
     /// The places as they are meant beside a thing: "near a table" is at most 1.5 m from it, very close or close.
-    pub(crate) fn loosen(&mut self) {
-        let Some(place) = self.loose.and_then(|at| self.places.get_mut(at)) else {
+    pub(crate) fn apply_near_default(&mut self) {
+        let Some(place) = self.bare_distance.and_then(|at| self.places.get_mut(at)) else {
             return;
         };
         match place {
@@ -166,7 +166,7 @@ impl Spot {
 
 /// From where a place is told.
 #[derive(Debug, Default)]
-pub(crate) enum Anchor {
+pub(crate) enum Reference {
     #[default]
     Unsaid,
     Robot,

@@ -128,7 +128,7 @@ mod tests {
         let mut issues = Vec::new();
         let mut tokens = Tokens::new();
         tokenize("the femlae person", &mut tokens, &mut issues);
-        assert!(!tokens[1].entry.says.is_empty());
+        assert!(!tokens[1].entry.implies.is_empty());
         assert_eq!(issues[0].message, r#"unknown word "femlae" read as "female""#);
         assert_eq!(issues[0].span, Some(Span { start: 4, end: 10 }));
     }
@@ -143,7 +143,7 @@ mod tests {
 
     #[test]
     fn a_phrase_may_mean_several_things() {
-        assert_eq!(entry("girl").says.len(), 2);
+        assert_eq!(entry("girl").implies.len(), 2);
         assert!(entry("her").roles.has(Role::His) && entry("her").roles.has(Role::Him));
     }
 

@@ -8,10 +8,10 @@ use jrdb_types::vocab::PairWord;
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{all_of, any_of, excludes, identify, split_from};
-use crate::phrase::{Behind, Scope};
+use crate::phrase::{After, Scope};
 
 /// Where the reader of clauses stands.
-struct Course {
+struct ClauseState {
     scope: Scope,
     /// First condition of the thing asked for that slots may take.
     head: usize,
@@ -46,7 +46,7 @@ impl Parser<'_> {
     /// Reads what is said of a thing into its conditions; returns how many of them are not said in the clauses.
     pub(crate) fn clauses(&mut self, pattern: &mut Pattern, scope: Scope) -> usize {
         let head = pattern.conditions.len();
-        let mut course = Course {
+        let mut state = ClauseState {
             scope,
             head,
             group: head,
@@ -58,12 +58,12 @@ impl Parser<'_> {
             predicates: 0,
             noun: self.last_noun,
         };
-        while !self.is_end() && self.step(pattern, &mut course) {}
-        course.head
+        while !self.is_end() && self.predicate_or_joint(pattern, &mut state) {}
+        state.head
     }
 
     /// One predicate or joint; false when what is at hand belongs to somebody else.
-    fn step(&mut self, pattern: &mut Pattern, course: &mut Course) -> bool {
+    fn predicate_or_joint(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
         const JOINTS: Roles = Roles::of(&[
             Role::Comma,
             Role::And,
@@ -78,47 +78,47 @@ impl Parser<'_> {
             Role::Has,
         ]);
         let roles = self.roles();
-        let is_first = course.predicates == 0 && !course.is_clause;
-        if is_first && roles.has_any(OTHERS) && self.done_by_another(pattern) {
-            course.predicates += 1;
+        let is_first = state.predicates == 0 && !state.is_clause;
+        if is_first && roles.has_any(OTHERS) && self.object_relative(pattern) {
+            state.predicates += 1;
             return true;
         }
         if roles.has_any(JOINTS)
-            && let Some(goes_on) = self.joint(pattern, course)
+            && let Some(goes_on) = self.joint(pattern, state)
         {
             return goes_on;
         }
         let (before, start) = (pattern.conditions.len(), self.at);
-        let is_word = roles.has(Role::Says);
-        let behind = match (course.is_clause, course.scope) {
-            (true, _) => Behind::Verb,
-            (false, Scope::Reduced) => Behind::Partner,
-            (false, _) => Behind::Noun,
+        let is_word = roles.has(Role::Implies);
+        let after = match (state.is_clause, state.scope) {
+            (true, _) => After::Verb,
+            (false, Scope::Reduced) => After::Partner,
+            (false, _) => After::Noun,
         };
-        if behind == Behind::Partner && self.is_said_of_subject(pattern) {
+        if after == After::Partner && self.is_said_of_subject(pattern) {
             return false;
         }
-        if self.predicate(pattern, behind) {
-            course.predicates += 1;
-            if std::mem::take(&mut course.is_alternative) {
-                course.group = before;
+        if self.predicate(pattern, after) {
+            state.predicates += 1;
+            if std::mem::take(&mut state.is_alternative) {
+                state.group = before;
             }
-            if std::mem::take(&mut course.is_joined) {
-                self.part_exclusive(pattern, before, start);
+            if std::mem::take(&mut state.is_joined) {
+                self.split_exclusive(pattern, before, start);
             }
             let is_single = is_word && pattern.conditions.len() == before + 1;
-            course.run = match course.run.filter(|_| course.is_listed && is_single) {
+            state.run = match state.run.filter(|_| state.is_listed && is_single) {
                 None => is_single.then_some(before),
                 run => run,
             };
-            course.is_listed = false;
+            state.is_listed = false;
             return true;
         }
-        if roles.has_any(GLUE) || course.scope == Scope::Top && roles.has(Role::Located) {
+        if roles.has_any(GLUE) || state.scope == Scope::Top && roles.has(Role::Located) {
             self.at += 1;
             return true;
         }
-        if course.scope == Scope::Top {
+        if state.scope == Scope::Top {
             self.report_unused();
             return true;
         }
@@ -126,15 +126,15 @@ impl Parser<'_> {
     }
 
     /// Steps over a joint; none when the word at hand is none after all.
-    fn joint(&mut self, pattern: &mut Pattern, course: &mut Course) -> Option<bool> {
-        let (roles, is_top) = (self.roles(), course.scope == Scope::Top);
+    fn joint(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> Option<bool> {
+        let (roles, is_top) = (self.roles(), state.scope == Scope::Top);
         if roles.has_any(ENDS) {
             return Some(false);
         }
         if (roles.has_any(Roles::of(&[Role::Comma, Role::And, Role::Then]))) && self.is_then() {
             if is_top {
-                self.then(pattern, course.head);
-                (course.group, course.run) = (course.head, None);
+                self.then(pattern, state.head);
+                (state.group, state.run) = (state.head, None);
             }
             return Some(is_top);
         }
@@ -143,23 +143,22 @@ impl Parser<'_> {
         }
         if roles.has(Role::Comma) {
             // "men, women and children"; "which is taller, the man or the woman".
-            let is_list = is_top && (!course.is_clause || pattern.pick.is_some());
-            if is_list && self.is_thing_next() && !self.is_next_told_of_him() {
+            let is_list = is_top && (!state.is_clause || pattern.pick.is_some());
+            if is_list && self.is_thing_next() && !self.is_next_located_by_his() {
                 return Some(false);
             }
-            let goes_on =
-                is_top || course.scope == Scope::Relative && self.is_list_of_words(course);
+            let goes_on = is_top || state.scope == Scope::Relative && self.is_list_of_words(state);
             if goes_on {
-                (course.is_listed, course.group) = (true, pattern.conditions.len());
+                (state.is_listed, state.group) = (true, pattern.conditions.len());
                 self.at += 1;
             }
             return Some(goes_on);
         }
         if roles.has(Role::And) {
-            return Some(self.and(pattern, course));
+            return Some(self.and(pattern, state));
         }
         if roles.has(Role::Or) {
-            return Some(self.or(pattern, course));
+            return Some(self.or(pattern, state));
         }
         if roles.has(Role::Whose) {
             return Some(
@@ -170,12 +169,12 @@ impl Parser<'_> {
                     },
             );
         }
-        self.copula(pattern, course)
+        self.copula(pattern, state)
     }
 
     /// Whether what is at hand is said of the thing that this one is a partner of.
     fn is_said_of_subject(&self, pattern: &Pattern) -> bool {
-        self.is_told_of_him(self.at)
+        self.is_located_by_his_at(self.at)
             || self.is_walk && self.is(Role::Towards)
             || self.is_said_of_people_only(pattern)
     }
@@ -184,8 +183,8 @@ impl Parser<'_> {
     fn is_said_of_people_only(&self, pattern: &Pattern) -> bool {
         const OF_PEOPLE: Roles = Roles::of(&[
             Role::Action,
-            Role::Deed,
-            Role::Says,
+            Role::Interaction,
+            Role::Implies,
             Role::Not,
             Role::Group,
             Role::With,
@@ -202,35 +201,35 @@ impl Parser<'_> {
             || is_other && (self.roles().has_any(OF_PEOPLE) || !is_pair)
     }
 
-    fn is_list_of_words(&self, course: &Course) -> bool {
-        course.run.is_some() && self.is_at(self.at + 1, Role::Says)
+    fn is_list_of_words(&self, state: &ClauseState) -> bool {
+        state.run.is_some() && self.is_at(self.at + 1, Role::Implies)
     }
 
     /// "who", "is", "has".
-    fn copula(&mut self, pattern: &mut Pattern, course: &mut Course) -> Option<bool> {
+    fn copula(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> Option<bool> {
         let roles = self.roles();
         let is_who = roles.has(Role::Who);
-        if course.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern, course)) {
+        if state.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern, state)) {
             return Some(false);
         }
-        let is_asked = roles.has(Role::Is)
-            && !(is_who || course.is_clause || self.at + 1 == self.tokens.len());
-        if is_asked && course.scope == Scope::Top && pattern.pick.is_some() {
+        let is_asked =
+            roles.has(Role::Is) && !(is_who || state.is_clause || self.at + 1 == self.tokens.len());
+        if is_asked && state.scope == Scope::Top && pattern.pick.is_some() {
             // "which of the two tallest is sitting": the two tallest of all, not of those who sit.
             identify(pattern);
-            course.head = pattern.conditions.len();
+            state.head = pattern.conditions.len();
         }
-        if course.scope == Scope::Relative && course.predicates > 0 && !course.is_listed {
+        if state.scope == Scope::Relative && state.predicates > 0 && !state.is_listed {
             return Some(false);
         }
         if roles.has(Role::Has) && !roles.has(Role::Is) {
-            course.is_clause = true;
+            state.is_clause = true;
             return None;
         }
-        if course.scope == Scope::Reduced {
-            course.scope = Scope::Relative;
+        if state.scope == Scope::Reduced {
+            state.scope = Scope::Relative;
         }
-        (course.is_clause, course.group) = (true, pattern.conditions.len());
+        (state.is_clause, state.group) = (true, pattern.conditions.len());
         if roles.has(Role::Not) {
             return None;
         }
@@ -239,87 +238,88 @@ impl Parser<'_> {
     }
 
     /// "who" behind a table is said of somebody else, and so is "who are" behind a woman.
-    fn is_who_of_another(&self, pattern: &Pattern, course: &Course) -> bool {
+    fn is_who_of_another(&self, pattern: &Pattern, state: &ClauseState) -> bool {
         let roles = self.roles();
         let is_personal = !roles.has_any(Roles::of(&[Role::Which, Role::The]));
         let is_which = roles.has(Role::Which) && !roles.has(Role::The);
         let is_person = pattern.category == Category::Person;
-        let agrees = course.noun.is_none_or(|noun| agree(noun.roles, self.roles_at(self.at + 1)));
+        let agrees = state.noun.is_none_or(|noun| agree(noun.roles, self.roles_at(self.at + 1)));
         is_personal && !is_person || is_which && is_person || !agrees
     }
 
-    fn and(&mut self, pattern: &mut Pattern, course: &mut Course) -> bool {
-        let begins_anew = self.is_at(self.at + 1, Role::Who) && course.scope != Scope::Top;
-        if course.scope == Scope::Reduced || begins_anew {
+    fn and(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
+        let begins_anew = self.is_at(self.at + 1, Role::Who) && state.scope != Scope::Top;
+        if state.scope == Scope::Reduced || begins_anew {
             return false;
         }
         if self.is(Role::But) && self.is_thing_next() {
             return self.except(pattern);
         }
-        if self.is_thing_next() && !(course.is_clause && self.is_next_told_of_him()) {
+        if self.is_thing_next() && !(state.is_clause && self.is_next_located_by_his()) {
             return false;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
-        (course.group, course.is_listed) = (pattern.conditions.len(), course.run.is_some());
-        course.is_joined = true;
-        if course.scope == Scope::Relative {
-            self.skip(Roles::of(&[Role::Is, Role::Filler]));
-            if !self.predicate(pattern, Behind::Verb) {
-                self.reset(mark);
+        (state.group, state.is_listed) = (pattern.conditions.len(), state.run.is_some());
+        state.is_joined = true;
+        if state.scope == Scope::Relative {
+            self.skip_while(Roles::of(&[Role::Is, Role::Filler]));
+            if !self.predicate(pattern, After::Verb) {
+                self.rewind(checkpoint);
                 return false;
             }
-            course.run = None;
+            state.run = None;
         }
         true
     }
 
-    fn or(&mut self, pattern: &mut Pattern, course: &mut Course) -> bool {
+    fn or(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
         let length = pattern.conditions.len();
-        let is_word = self.is_at(self.at + 1, Role::Says) && !self.is_at(self.at + 1, Role::Noun);
-        if let Some(run) = course.run.filter(|_| is_word) {
+        let is_word =
+            self.is_at(self.at + 1, Role::Implies) && !self.is_at(self.at + 1, Role::Noun);
+        if let Some(run) = state.run.filter(|_| is_word) {
             self.at += 1;
             self.word_alternative(pattern);
             let parts = split_from(&mut pattern.conditions, run);
             pattern.conditions.push(any_of(parts));
             return true;
         }
-        if course.scope == Scope::Reduced || self.is_thing_next() || length == course.group {
-            let is_lost = course.scope == Scope::Top && !self.is_thing_next();
+        if state.scope == Scope::Reduced || self.is_thing_next() || length == state.group {
+            let is_lost = state.scope == Scope::Top && !self.is_thing_next();
             if is_lost {
                 self.report_unused();
             }
             return is_lost;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
-        self.skip(Roles::of(&[Role::Who, Role::Is, Role::Filler, Role::Either]));
-        if !self.deeper(|parser| parser.together(pattern)) {
-            self.reset(mark);
-            if course.scope == Scope::Top {
+        self.skip_while(Roles::of(&[Role::Who, Role::Is, Role::Filler, Role::Either]));
+        if !self.nested(|parser| parser.predicates(pattern)) {
+            self.rewind(checkpoint);
+            if state.scope == Scope::Top {
                 self.report_unused();
             }
-            return course.scope == Scope::Top;
+            return state.scope == Scope::Top;
         }
         if pattern.conditions.len() == length {
             // Nothing of the alternative is known, and that is reported.
             return true;
         }
         let second = all_of(split_from(&mut pattern.conditions, length));
-        let first = all_of(split_from(&mut pattern.conditions, course.group));
+        let first = all_of(split_from(&mut pattern.conditions, state.group));
         pattern.conditions.push(any_of(vec![first, second]));
-        (course.run, course.is_alternative) = (None, true);
+        (state.run, state.is_alternative) = (None, true);
         true
     }
 
     fn word_alternative(&mut self, pattern: &mut Pattern) {
-        if !self.deed(pattern) {
+        if !self.activity(pattern) {
             self.adjective_predicate(pattern);
         }
     }
 
     /// "To my left and to my right" is either: nothing is at both.
-    fn part_exclusive(&mut self, pattern: &mut Pattern, before: usize, start: usize) {
+    fn split_exclusive(&mut self, pattern: &mut Pattern, before: usize, start: usize) {
         let conditions = &mut pattern.conditions;
         let is_pair = before > 0 && conditions.len() == before + 1;
         if is_pair && excludes(&conditions[before - 1], &conditions[before]) {

@@ -12,7 +12,7 @@ use crate::pattern::{all_of, any_of, join, split_from};
 
 /// What may stand before clothes.
 pub(crate) const CLOTHES_START: Roles =
-    Roles::of(&[Role::At, Role::Deed, Role::With, Role::Has, Role::Without]);
+    Roles::of(&[Role::At, Role::Interaction, Role::With, Role::Has, Role::Without]);
 
 /// Words before a colour that say nothing of it.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
@@ -21,7 +21,7 @@ const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]);
 
 /// So many words at most may stand between an article, a colour and a piece of clothing.
-const STRAYS_MAX: usize = 2;
+const UNKNOWN_MAX: usize = 2;
 
 impl Parser<'_> {
     /// Reads what is said of the colours of the subject's clothes. A colour of any other thing is left for others to read.
@@ -32,20 +32,20 @@ impl Parser<'_> {
         if !is_worn && !is_in && !is_had {
             return false;
         }
-        let (mark, start) = (self.mark(), pattern.conditions.len());
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         let is_without = self.is(Role::Without);
         self.at += 1;
         // "With red" is no clothes, "in red" and "wearing red" are.
         if !self.garment(pattern, !is_had) {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         while self.roles().has_any(JOINTS) {
-            let (mark, length) = (self.mark(), pattern.conditions.len());
+            let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
             let is_or = self.is(Role::Or);
-            self.skip(JOINTS);
+            self.skip_while(JOINTS);
             if !self.garment(pattern, false) {
-                self.reset(mark);
+                self.rewind(checkpoint);
                 break;
             }
             if is_or && length > start {
@@ -61,13 +61,13 @@ impl Parser<'_> {
 
     /// "shirt is red" behind "whose".
     pub(crate) fn whose_clothes(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, at) = (self.mark(), self.at);
+        let (checkpoint, at) = (self.checkpoint(), self.at);
         let garment = self.entry().garment.filter(|_| self.is_at(at + 1, Role::Is));
         self.at += 2;
-        let is_not = self.is_at(at + 1, Role::Not) || self.take(Role::Not);
+        let is_not = self.is_at(at + 1, Role::Not) || self.eat(Role::Not);
         let (colors, _) = self.colors();
         let Some(garment) = garment.filter(|_| !colors.is_empty()) else {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         };
         self.report_garment(garment, at, at);
@@ -80,11 +80,11 @@ impl Parser<'_> {
     }
 
     /// "black" of "the black car", which is no race: steps over it with an issue.
-    pub(crate) fn color_of_thing(&mut self) -> bool {
-        if !self.is(Role::Color) || !self.is(Role::Says) {
+    pub(crate) fn color_of_object(&mut self) -> bool {
+        if !self.is(Role::Color) || !self.is(Role::Implies) {
             return false;
         }
-        let next = self.after(self.at + 1, BEFORE_NOUN);
+        let next = self.next_not_in(self.at + 1, BEFORE_NOUN);
         let is_person =
             |category: &Category| matches!(category, Category::Person | Category::Anything);
         if self.entry_at(next).category.as_ref().is_none_or(is_person) {
@@ -98,15 +98,15 @@ impl Parser<'_> {
 
     /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where it `may_be_bare`.
     fn garment(&mut self, pattern: &mut Pattern, may_be_bare: bool) -> bool {
-        let (mark, start) = (self.mark(), self.at);
-        self.skip(ARTICLES);
+        let (checkpoint, start) = (self.checkpoint(), self.at);
+        self.skip_while(ARTICLES);
         let is_bare = self.at == start && may_be_bare;
-        let is_colored = self.strays_before(Role::Color);
+        let is_colored = self.skip_unknown_before(Role::Color);
         let (colors, is_and) = self.colors();
-        let is_named = is_colored && self.strays_before(Role::Garment);
+        let is_named = is_colored && self.skip_unknown_before(Role::Garment);
         let garment = self.entry().garment.filter(|_| is_named);
         if !is_colored || garment.is_none() && (!is_bare || self.is_something_else()) {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         if let Some(garment) = garment {
@@ -124,16 +124,16 @@ impl Parser<'_> {
     }
 
     /// Steps over a few words that nobody knows before one of a role, and reports them; whether there is one.
-    fn strays_before(&mut self, role: Role) -> bool {
-        let found = (self.at..=self.at + STRAYS_MAX).find(|at| self.is_at(*at, role));
+    fn skip_unknown_before(&mut self, role: Role) -> bool {
+        let found = (self.at..=self.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
         let Some(found) = found else { return false };
-        let are_strays = (self.at..found).all(|at| {
-            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Lacks, Role::Stranger]))
+        let are_unknown = (self.at..found).all(|at| {
+            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common]))
         });
-        while are_strays && self.at < found {
+        while are_unknown && self.at < found {
             self.report_unused();
         }
-        are_strays
+        are_unknown
     }
 
     /// Colours with joints between, and whether one of the joints is "and".
@@ -142,7 +142,7 @@ impl Parser<'_> {
         while let Some(color) = self.entry().color {
             colors.push(color);
             self.at += 1;
-            let next = self.after(self.at, JOINTS);
+            let next = self.next_not_in(self.at, JOINTS);
             if !self.is_at(next, Role::Color) {
                 break;
             }
@@ -154,7 +154,7 @@ impl Parser<'_> {
 
     /// Whether the colours are those of something that is named behind them.
     fn is_something_else(&self) -> bool {
-        self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Lacks]))
+        self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Unsupported]))
     }
 
     /// Says how a piece of clothing is read, whose kind nobody checks; the word at `at` names it, what is said of it begins at `start`.

@@ -6,7 +6,7 @@ use jrdb_types::{Condition, Pattern};
 use crate::grammar::noun::NOUN_START;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{either, remembered, set_count};
+use crate::pattern::{either, set_count, truncated_antecedent};
 use crate::phrase::{Partner, Scope};
 
 /// What "his left" may be told with, between a noun and "his".
@@ -14,19 +14,19 @@ const TO_HIM: Roles = Roles::of(&[Role::Located, Role::To, Role::At, Role::Fille
 
 impl Parser<'_> {
     /// The robot, "him" or one thing with what is said of it.
-    pub(crate) fn party(&mut self) -> Option<Pattern> {
+    pub(crate) fn noun_phrase(&mut self) -> Option<Pattern> {
         Some(self.partner()?.pattern)
     }
 
     fn partner(&mut self) -> Option<Partner> {
-        self.skip(Roles::of(&[Role::Filler]));
+        self.skip_while(Roles::of(&[Role::Filler]));
         if let Some(pattern) = self.robot() {
             return Some(Partner { pattern, ..Partner::default() });
         }
         if self.is(Role::Him) && !self.is_noun_ahead(self.at + 1) {
             return self.pronoun().map(|pattern| Partner { pattern, ..Partner::default() });
         }
-        let Some(thing) = self.thing() else { return self.stranger() };
+        let Some(thing) = self.noun_group() else { return self.unknown_noun() };
         let (quantity, is_all) = (thing.how_many(), thing.is_all);
         let pattern = self.with_modifiers(thing.pattern, thing.count);
         Some(Partner { pattern, quantity, is_all })
@@ -34,12 +34,12 @@ impl Parser<'_> {
 
     /// "me", "the robot", "me (the robot)".
     pub(crate) fn robot(&mut self) -> Option<Pattern> {
-        let next = self.after(self.at, Roles::of(&[Role::The]));
+        let next = self.next_not_in(self.at, Roles::of(&[Role::The]));
         if !self.is_at(next, Role::Robot) {
             return None;
         }
         self.at = next + 1;
-        let again = self.after(self.at, Roles::of(&[Role::The]));
+        let again = self.next_not_in(self.at, Roles::of(&[Role::The]));
         if self.is_at(again, Role::Robot) {
             self.at = again + 1;
         }
@@ -47,12 +47,12 @@ impl Parser<'_> {
     }
 
     /// Steps over the robot where nobody is named with it: the most common anchor.
-    pub(crate) fn take_robot_alone(&mut self) -> bool {
+    pub(crate) fn eat_robot_alone(&mut self) -> bool {
         const JOINTS: Roles = Roles::of(&[Role::And, Role::Or]);
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         let found = self.robot().is_some() && !self.roles().has_any(JOINTS);
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }
@@ -60,8 +60,8 @@ impl Parser<'_> {
     /// What "him" means: the last thing spoken of.
     pub(crate) fn pronoun(&mut self) -> Option<Pattern> {
         let at = self.at;
-        self.his();
-        let found = self.antecedent(at);
+        self.eat_pronoun();
+        let found = self.antecedent_at(at);
         if found.is_none() {
             let message = format!(
                 "nobody was spoken of before that {:?} can mean; read as anybody",
@@ -73,10 +73,10 @@ impl Parser<'_> {
     }
 
     /// The thing that the pronoun at a place stands for: "it" is no person.
-    pub(crate) fn antecedent(&self, at: usize) -> Option<Pattern> {
-        let spoken = self.spoken.as_ref()?;
-        if !self.is_at(at, Role::It) || spoken.category != Category::Person {
-            return Some(spoken.clone());
+    pub(crate) fn antecedent_at(&self, at: usize) -> Option<Pattern> {
+        let antecedent = self.antecedent.as_ref()?;
+        if !self.is_at(at, Role::It) || antecedent.category != Category::Person {
+            return Some(antecedent.clone());
         }
         let object = |condition: &Condition| match condition {
             Condition::Related(related) if related.partner.category != Category::Person => {
@@ -84,11 +84,11 @@ impl Parser<'_> {
             }
             _ => None,
         };
-        spoken.conditions.iter().rev().find_map(object).or_else(|| Some(spoken.clone()))
+        antecedent.conditions.iter().rev().find_map(object).or_else(|| Some(antecedent.clone()))
     }
 
     /// Steps over "his", "his\her", "him".
-    pub(crate) fn his(&mut self) {
+    pub(crate) fn eat_pronoun(&mut self) {
         const HIS: Roles = Roles::of(&[Role::His, Role::Him]);
         self.at += 1;
         while self.is(Role::Slash) && self.roles_at(self.at + 1).has_any(HIS) {
@@ -97,15 +97,15 @@ impl Parser<'_> {
     }
 
     /// "a zebra": something that we do not know, with an issue, but not the robot.
-    fn stranger(&mut self) -> Option<Partner> {
+    fn unknown_noun(&mut self) -> Option<Partner> {
         const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
-        const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Lacks]);
-        let next = self.after(self.at, ARTICLES);
+        const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Unsupported]);
+        let next = self.next_not_in(self.at, ARTICLES);
         if !self.roles_at(next).has_any(STRANGE) {
             return None;
         }
         self.at = next;
-        self.report_stranger();
+        self.report_unknown_noun();
         let pattern = Pattern::of(Category::Anything);
         Some(Partner { pattern, ..Partner::default() })
     }
@@ -116,7 +116,7 @@ impl Parser<'_> {
         mut pattern: Pattern,
         count: Option<(u32, usize)>,
     ) -> Pattern {
-        self.deeper(|parser| parser.clauses(&mut pattern, Scope::Reduced));
+        self.nested(|parser| parser.clauses(&mut pattern, Scope::Reduced));
         set_count(&mut pattern, count);
         pattern
     }
@@ -124,8 +124,8 @@ impl Parser<'_> {
     /// One partner or several, each of which must be one: "the door and the table". Alternatives are one partner.
     pub(crate) fn partners(&mut self) -> Vec<Partner> {
         let start = self.at;
-        self.take(Role::Either);
-        let mut partners: Vec<Partner> = self.deeper(Self::partner).into_iter().collect();
+        self.eat(Role::Either);
+        let mut partners: Vec<Partner> = self.nested(Self::partner).into_iter().collect();
         let mut alternatives: Vec<Pattern> = Vec::new();
         while let (Some(last), false) = (partners.last_mut(), self.is_end()) {
             let is_or = self.is(Role::Or);
@@ -133,16 +133,16 @@ impl Parser<'_> {
                 break;
             }
             self.at += 1;
-            let pronoun = self.has_pronouns.then(|| remembered(&last.pattern));
+            let pronoun = self.has_pronouns.then(|| truncated_antecedent(&last.pattern));
             if is_or {
                 alternatives.push(std::mem::take(&mut last.pattern));
             } else if !alternatives.is_empty() {
                 alternatives.push(std::mem::take(&mut last.pattern));
                 last.pattern = either(std::mem::take(&mut alternatives));
             }
-            let outer = std::mem::replace(&mut self.spoken, pronoun);
-            let next = self.deeper(Self::partner);
-            self.spoken = outer;
+            let outer = std::mem::replace(&mut self.antecedent, pronoun);
+            let next = self.nested(Self::partner);
+            self.antecedent = outer;
             match (next, partners.last_mut()) {
                 (Some(next), Some(last)) if is_or => last.pattern = next.pattern,
                 (Some(next), _) => partners.push(next),
@@ -166,7 +166,7 @@ impl Parser<'_> {
 
     /// Whether the word behind "and" begins another thing of the same sort, that nothing else claims.
     fn is_more(&self, last: &Pattern) -> bool {
-        let next = self.after(self.at + 1, Roles::of(&[Role::The, Role::A]));
+        let next = self.next_not_in(self.at + 1, Roles::of(&[Role::The, Role::A]));
         let is_robot = self.is_at(next, Role::Robot);
         let has_article = next > self.at + 1;
         let Some(noun) = self.noun_at(next) else { return is_robot };
@@ -174,9 +174,9 @@ impl Parser<'_> {
         let is_person = |category: &Category| *category == Category::Person;
         let is_same = category.is_none_or(|c| is_person(c) == is_person(&last.category));
         let is_robots = last.category == Category::Robot;
-        let is_list = self.is_at(next, Role::Says) && self.is_at(self.at - 1, Role::Plural);
+        let is_list = self.is_at(next, Role::Implies) && self.is_at(self.at - 1, Role::Plural);
         let is_bare = has_article || noun == next || is_list;
-        is_bare && (is_same || is_robots) && !self.is_next_told_of_him()
+        is_bare && (is_same || is_robots) && !self.is_next_located_by_his()
     }
 
     /// The place of the noun that adjectives from `at` on lead to.
@@ -188,33 +188,35 @@ impl Parser<'_> {
     }
 
     /// Whether "located to his" is at a place.
-    pub(crate) fn is_told_of_him(&self, at: usize) -> bool {
-        let next = self.after(at, TO_HIM);
+    pub(crate) fn is_located_by_his_at(&self, at: usize) -> bool {
+        let next = self.next_not_in(at, TO_HIM);
         next > at && self.is_at(next, Role::His)
     }
 
     /// Whether a thing with an article begins behind the joint at hand.
     pub(crate) fn is_thing_next(&self) -> bool {
         let start = self.at + 1;
-        let next =
-            self.after(start, Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]));
-        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Says)
-            || self.is_at(next, Role::Says) && self.is_noun_ahead(next);
+        let next = self.next_not_in(
+            start,
+            Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]),
+        );
+        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Implies)
+            || self.is_at(next, Role::Implies) && self.is_noun_ahead(next);
         (next > start || is_plain) && self.noun_at(next).is_some()
     }
 
     /// Whether the next thing behind the joint at hand is told to be at his left.
-    pub(crate) fn is_next_told_of_him(&self) -> bool {
+    pub(crate) fn is_next_located_by_his(&self) -> bool {
         const LIST: Roles = Roles::of(&[
             Role::The,
             Role::A,
-            Role::Says,
+            Role::Implies,
             Role::Comma,
             Role::And,
             Role::Filler,
             Role::Noun,
         ]);
-        let next = self.after(self.at + 1, LIST);
-        self.is_told_of_him(next)
+        let next = self.next_not_in(self.at + 1, LIST);
+        self.is_located_by_his_at(next)
     }
 }

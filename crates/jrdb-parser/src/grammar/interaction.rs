@@ -6,7 +6,7 @@ use jrdb_types::vocab::PairWord;
 
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{push_related, remembered};
+use crate::pattern::{push_related, truncated_antecedent};
 use crate::phrase::Partner;
 
 impl Parser<'_> {
@@ -15,40 +15,40 @@ impl Parser<'_> {
         if !self.has_pronouns || self.is(Role::Him) {
             return self.partners();
         }
-        let outer = self.spoken.replace(remembered(subject));
+        let outer = self.antecedent.replace(truncated_antecedent(subject));
         let partners = self.partners();
-        let last = partners.last().map(|partner| remembered(&partner.pattern));
-        self.spoken = last.or(outer);
+        let last = partners.last().map(|partner| truncated_antecedent(&partner.pattern));
+        self.antecedent = last.or(outer);
         partners
     }
 
     /// What the subject does, alone or with others.
-    pub(crate) fn deed(&mut self, pattern: &mut Pattern) -> bool {
+    pub(crate) fn activity(&mut self, pattern: &mut Pattern) -> bool {
         let (entry, at) = (self.entry(), self.at);
-        if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
+        if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
             return false;
         }
         self.at += 1;
         if let Some(label) = &entry.people
-            && self.with_people(pattern, entry, label)
+            && self.with_partners(pattern, entry, label)
         {
             return true;
         }
         if let Some(label) = &entry.object {
             self.with_object(pattern, entry, label);
-        } else if !entry.says.is_empty() {
-            pattern.conditions.extend(entry.says.iter().cloned());
+        } else if !entry.implies.is_empty() {
+            pattern.conditions.extend(entry.implies.iter().cloned());
             if entry.relation.is_some() {
-                self.relate(pattern, entry);
+                self.relation_partners(pattern, entry);
             }
         } else if let Some(label) = &entry.people {
-            self.bare_deed(pattern, label, at);
+            self.bare_interaction(pattern, label, at);
         }
         true
     }
 
     /// "chatting" alone is with anybody.
-    fn bare_deed(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
+    fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
         if label.ends_with(" together") {
             let message = format!("read as {label:?} with somebody");
             self.report(jrdb_types::IssueKind::Ambiguous, at, at + 1, message);
@@ -57,20 +57,20 @@ impl Parser<'_> {
     }
 
     /// "walking with a woman", "talking to a man", "hugging each other".
-    fn with_people(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
-        let mark = self.mark();
-        let is_plain = entry.roles.has(Role::Deed) && entry.says.is_empty();
-        let has_with = self.take(Role::With) || is_plain && self.take(Role::To);
-        if self.take(Role::EachOther) {
+    fn with_partners(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
+        let checkpoint = self.checkpoint();
+        let is_plain = entry.roles.has(Role::Interaction) && entry.implies.is_empty();
+        let has_with = self.eat(Role::With) || is_plain && self.eat(Role::To);
+        if self.eat(Role::EachOther) {
             push_related(pattern, vec![does(label)], Pattern::default(), Quantity::SOME);
             return true;
         }
         let is_direct = is_plain && !label.ends_with(" together");
         if !(has_with || is_direct) || !self.is_person_at_hand() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
-        let outer = std::mem::replace(&mut self.is_walk, !entry.says.is_empty());
+        let outer = std::mem::replace(&mut self.is_walk, !entry.implies.is_empty());
         let partners = self.partners_of(pattern);
         self.is_walk = outer;
         for partner in partners {
@@ -86,7 +86,7 @@ impl Parser<'_> {
             Role::A,
             Role::All,
             Role::No,
-            Role::Says,
+            Role::Implies,
             Role::Comma,
             Role::And,
             Role::Number,
@@ -94,7 +94,7 @@ impl Parser<'_> {
             Role::Superlative,
             Role::Filler,
             Role::Unknown,
-            Role::Lacks,
+            Role::Unsupported,
             Role::Ordinal,
             Role::My,
             Role::Limit,
@@ -111,7 +111,7 @@ impl Parser<'_> {
         if self.is_at(at, Role::Robot) || self.is_at(at, Role::Him) && !is_noun(at + 1) {
             return true;
         }
-        let is_described = (self.at..at).any(|at| self.is_at(at, Role::Says));
+        let is_described = (self.at..at).any(|at| self.is_at(at, Role::Implies));
         if is_described && !self.is_at(at, Role::Noun) {
             return true;
         }
@@ -142,7 +142,7 @@ impl Parser<'_> {
 
     fn is_object_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My, Role::No]);
-        let next = self.after(self.at, articles);
+        let next = self.next_not_in(self.at, articles);
         let has_article = next > self.at;
         let it = self.is(Role::Him);
         it || has_article
@@ -158,7 +158,7 @@ impl Parser<'_> {
         }
         let start = self.at;
         self.at += 1;
-        let found = self.relate(pattern, entry);
+        let found = self.relation_partners(pattern, entry);
         if !found {
             self.at = start;
         }
@@ -166,28 +166,28 @@ impl Parser<'_> {
     }
 
     /// Reads the partners of a relation behind its words.
-    fn relate(&mut self, pattern: &mut Pattern, entry: &'static Entry) -> bool {
+    fn relation_partners(&mut self, pattern: &mut Pattern, entry: &'static Entry) -> bool {
         let Some(kind) = &entry.relation else { return false };
         let is_mutual = *kind == RelationKind::Pair(PairWord::FacingEachOther);
         let is_away = matches!(kind, RelationKind::Placed { .. });
-        let mark = self.mark();
-        if self.take(Role::EachOther) {
+        let checkpoint = self.checkpoint();
+        if self.eat(Role::EachOther) {
             let mutual = each_other(kind, entry);
             push_related(pattern, vec![mutual], Pattern::default(), Quantity::SOME);
             return true;
         }
-        self.skip(Roles::of(&[Role::To, Role::With, Role::Filler]));
-        if !entry.says.is_empty() && self.is_side_at_hand() {
+        self.skip_while(Roles::of(&[Role::To, Role::With, Role::Filler]));
+        if !entry.implies.is_empty() && self.is_side_at_hand() {
             // "walking to the right of the table" is a place, not where somebody goes.
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             let alone = if is_mutual {
                 Pattern::default()
-            } else if is_away || !entry.says.is_empty() {
+            } else if is_away || !entry.implies.is_empty() {
                 Pattern::of(Category::Robot)
             } else {
                 return false;
@@ -204,13 +204,13 @@ impl Parser<'_> {
     /// "the right", "his left".
     fn is_side_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
-        self.is_at(self.after(self.at, articles), Role::Sector)
+        self.is_at(self.next_not_in(self.at, articles), Role::Sector)
     }
 
     /// "between the man and the door", "between two adults".
     pub(crate) fn between(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        if !self.take(Role::Between) {
+        let checkpoint = self.checkpoint();
+        if !self.eat(Role::Between) {
             return false;
         }
         let mut ends = self.partners_of(pattern);
@@ -221,17 +221,17 @@ impl Parser<'_> {
                 self.at += 1;
                 let mut rest = self.partners_of(pattern);
                 if rest.is_empty() {
-                    self.reset(mark);
+                    self.rewind(checkpoint);
                     return false;
                 }
                 (first, rest.remove(0).pattern)
             }
             1 => {
                 let only = ends.remove(0).pattern;
-                (remembered(&only), only)
+                (truncated_antecedent(&only), only)
             }
             _ => {
-                self.reset(mark);
+                self.rewind(checkpoint);
                 return false;
             }
         };
@@ -242,11 +242,11 @@ impl Parser<'_> {
     /// Says that a thing is as an adjective tells.
     pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
         let entry = self.entry();
-        if !entry.roles.has(Role::Says) {
+        if !entry.roles.has(Role::Implies) {
             return false;
         }
         self.at += 1;
-        pattern.conditions.extend(entry.says.iter().cloned());
+        pattern.conditions.extend(entry.implies.iter().cloned());
         true
     }
 }

@@ -6,7 +6,7 @@ use jrdb_types::{Condition, Direction, Pattern};
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{all_of, join};
-use crate::phrase::Thing;
+use crate::phrase::NounGroup;
 
 /// Words before a noun that say nothing of the thing.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::Filler]);
@@ -28,13 +28,13 @@ const DETERMINERS: Roles = Roles::of(&[
 
 /// What may stand between a word and the noun it belongs to.
 pub(crate) const BEFORE_NOUN: Roles = Roles::of(&[
-    Role::Says,
+    Role::Implies,
     Role::Superlative,
     Role::Ordinal,
     Role::Number,
     Role::Far,
     Role::Sector,
-    Role::Lacks,
+    Role::Unsupported,
     Role::Unknown,
     Role::Non,
     Role::Last,
@@ -50,7 +50,7 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::My,
     Role::His,
     Role::Noun,
-    Role::Says,
+    Role::Implies,
     Role::Superlative,
     Role::Ordinal,
     Role::Number,
@@ -58,7 +58,7 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::Several,
     Role::Far,
     Role::Sector,
-    Role::Lacks,
+    Role::Unsupported,
     Role::Unknown,
     Role::Group,
     Role::Filler,
@@ -75,30 +75,30 @@ const LOOK_MAX: usize = 8;
 
 impl Parser<'_> {
     /// Reads a noun phrase without what is said behind the noun.
-    pub(crate) fn thing(&mut self) -> Option<Thing> {
-        let mut thing = Thing::default();
-        self.read_thing(&mut thing).then_some(thing)
+    pub(crate) fn noun_group(&mut self) -> Option<NounGroup> {
+        let mut thing = NounGroup::default();
+        self.read_noun_group(&mut thing).then_some(thing)
     }
 
     /// Reads a noun phrase into a new thing; false, and the thing is of no use, when there is none.
-    pub(crate) fn read_thing(&mut self, thing: &mut Thing) -> bool {
+    pub(crate) fn read_noun_group(&mut self, thing: &mut NounGroup) -> bool {
         if !self.roles().has_any(NOUN_START) {
             return false;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         thing.start = self.at;
         self.determiners(thing);
         let is_described = self.adjectives(thing);
         if self.noun(thing) || is_described {
-            self.behind_noun(thing);
+            self.after_noun(thing);
             self.owned(thing);
             return true;
         }
-        self.reset(mark);
+        self.rewind(checkpoint);
         false
     }
 
-    fn determiners(&mut self, thing: &mut Thing) {
+    fn determiners(&mut self, thing: &mut NounGroup) {
         while self.roles().has_any(DETERMINERS) {
             if thing.quantity.is_none() {
                 thing.quantity = self.quantity();
@@ -139,7 +139,7 @@ impl Parser<'_> {
 
     /// Whether the number at hand counts a noun that follows, and is neither "one" alone nor a length.
     fn is_count(&self) -> bool {
-        let next = self.after(self.at, Roles::of(&[Role::Number]));
+        let next = self.next_not_in(self.at, Roles::of(&[Role::Number]));
         let of_the = self.is_at(next, Role::Of) && self.is_at(next + 1, Role::The);
         let has_measure = self.is_at(next, Role::Unit) || self.is_at(next, Role::Clock);
         let is_suffixed = self.is_at(next, Role::Suffix);
@@ -161,7 +161,7 @@ impl Parser<'_> {
         false
     }
 
-    fn adjectives(&mut self, thing: &mut Thing) -> bool {
+    fn adjectives(&mut self, thing: &mut NounGroup) -> bool {
         let (mut is_described, mut is_or) = (false, None);
         loop {
             let separator = self.at;
@@ -188,12 +188,12 @@ impl Parser<'_> {
             self.at += 1;
         }
         is_or?;
-        let says_plainly = |at: usize| {
+        let implies_plainly = |at: usize| {
             let is_before_noun =
                 || self.is_noun_ahead(at + 1) || self.is_joint_of_adjectives(at + 1);
-            self.is_at(at, Role::Says) && (!self.is_at(at, Role::Action) || is_before_noun())
+            self.is_at(at, Role::Implies) && (!self.is_at(at, Role::Action) || is_before_noun())
         };
-        let fits = says_plainly(self.at) || self.is(Role::Group) || self.is_noun_as_adjective();
+        let fits = implies_plainly(self.at) || self.is(Role::Group) || self.is_noun_as_adjective();
         // Whatever else follows the joint is no adjective: the caller steps back.
         is_or.filter(|_| fits)
     }
@@ -202,38 +202,39 @@ impl Parser<'_> {
     fn is_noun_as_adjective(&self) -> bool {
         let entry = self.entry();
         let is_age = |c: &Condition| matches!(c, Condition::Age(_));
-        if entry.says.is_empty() || entry.roles.has(Role::Plural) {
+        if entry.implies.is_empty() || entry.roles.has(Role::Plural) {
             return false;
         }
-        if entry.category != Some(Category::Person) || !entry.says.iter().all(is_age) {
+        if entry.category != Some(Category::Person) || !entry.implies.iter().all(is_age) {
             return false;
         }
-        let next = self.after(self.at + 1, JOINTS);
+        let next = self.next_not_in(self.at + 1, JOINTS);
         let roles = self.roles_at(next);
         let is_person = self.entry_at(next).category == Some(Category::Person);
-        let is_plain = roles.has(Role::Says) && !roles.has(Role::Action) && !roles.has(Role::Noun);
+        let is_plain =
+            roles.has(Role::Implies) && !roles.has(Role::Action) && !roles.has(Role::Noun);
         if next > self.at + 1 {
             return is_plain && self.is_list_to_person(next);
         }
-        is_person || (is_plain || roles.has(Role::Lacks)) && self.is_noun_ahead(next)
+        is_person || (is_plain || roles.has(Role::Unsupported)) && self.is_noun_ahead(next)
     }
 
     /// Whether adjectives and joints lead to a noun.
     fn is_list_to_person(&self, from: usize) -> bool {
-        let list = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Says]);
-        let end = self.after(from, list).min(from + LOOK_MAX);
+        let list = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Implies]);
+        let end = self.next_not_in(from, list).min(from + LOOK_MAX);
         (from..=end).any(|at| self.entry_at(at).category == Some(Category::Person))
     }
 
-    fn adjective(&mut self, thing: &mut Thing) -> bool {
+    fn adjective(&mut self, thing: &mut NounGroup) -> bool {
         let (entry, roles, at) = (self.entry(), self.roles(), self.at);
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
         let conditions = &mut thing.pattern.conditions;
-        if roles.has(Role::Noun) || roles.has(Role::Says) && self.is_adjective_here() {
-            if !self.color_of_thing() {
-                conditions.extend(entry.says.iter().cloned());
+        if roles.has(Role::Noun) || roles.has(Role::Implies) && self.is_adjective_here() {
+            if !self.color_of_object() {
+                conditions.extend(entry.implies.iter().cloned());
                 self.at += 1;
             }
             return true;
@@ -243,8 +244,8 @@ impl Parser<'_> {
         if roles.has(Role::Superlative) || is_compared {
             return self.chosen(thing);
         }
-        if roles.has(Role::Non) && self.is_at(at + 1, Role::Says) && self.is_noun_ahead(at + 1) {
-            let said = all_of(self.entry_at(at + 1).says.clone());
+        if roles.has(Role::Non) && self.is_at(at + 1, Role::Implies) && self.is_noun_ahead(at + 1) {
+            let said = all_of(self.entry_at(at + 1).implies.clone());
             conditions.push(Condition::Not(Box::new(said)));
             self.at += 2;
             return true;
@@ -270,7 +271,7 @@ impl Parser<'_> {
             self.at += 1;
             return true;
         }
-        if roles.has_any(Roles::of(&[Role::Lacks, Role::Unknown])) {
+        if roles.has_any(Roles::of(&[Role::Unsupported, Role::Unknown])) {
             self.report_unused();
             return true;
         }
@@ -279,9 +280,9 @@ impl Parser<'_> {
 
     /// "or walking people" behind "standing".
     fn is_joint_of_adjectives(&self, at: usize) -> bool {
-        let next = self.after(at, JOINTS);
+        let next = self.next_not_in(at, JOINTS);
         next > at
-            && self.is_at(next, Role::Says)
+            && self.is_at(next, Role::Implies)
             && !self.is_at(next, Role::Noun)
             && self.is_list_to_person(next)
     }
@@ -309,7 +310,7 @@ impl Parser<'_> {
         self.word(self.at).parse().ok().filter(|rank| *rank > 0).map(|rank| (rank, 2))
     }
 
-    fn chosen(&mut self, thing: &mut Thing) -> bool {
+    fn chosen(&mut self, thing: &mut NounGroup) -> bool {
         let rank = thing.rank.take().map_or(1, |(rank, _)| rank);
         let count = thing.count.take().map_or(1, |(count, _)| count);
         let start = self.at;
@@ -321,12 +322,12 @@ impl Parser<'_> {
 
     /// "part of a group of three persons".
     pub(crate) fn group(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
-        self.skip(ARTICLES);
+        self.skip_while(ARTICLES);
         let size = self.quantity().or_else(|| self.whole().map(Quantity::exactly));
         let Some(size) = size else {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         };
         self.at += usize::from(self.entry().category == Some(Category::Person));
@@ -334,7 +335,7 @@ impl Parser<'_> {
         true
     }
 
-    pub(crate) fn noun(&mut self, thing: &mut Thing) -> bool {
+    pub(crate) fn noun(&mut self, thing: &mut NounGroup) -> bool {
         let entry = self.entry();
         if !entry.roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
             return false;
@@ -342,13 +343,13 @@ impl Parser<'_> {
         self.at += 1;
         if let Some(category) = &entry.category {
             thing.pattern.category = category.clone();
-            thing.pattern.conditions.extend(entry.says.iter().cloned());
+            thing.pattern.conditions.extend(entry.implies.iter().cloned());
             self.last_noun = Some(entry);
         } else {
             thing.is_pronoun = true;
             if let Some(noun) = self.last_noun {
                 thing.pattern.category = noun.category.clone().unwrap_or_default();
-                thing.pattern.conditions.extend(noun.says.iter().cloned());
+                thing.pattern.conditions.extend(noun.implies.iter().cloned());
             }
         }
         thing.is_all |= entry.roles.has(Role::All);

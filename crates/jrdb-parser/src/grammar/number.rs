@@ -43,7 +43,7 @@ impl Parser<'_> {
 
     /// "and a half" behind a number.
     fn and_a_half(&mut self) -> f64 {
-        let half = self.after(self.at + 1, Roles::of(&[Role::A]));
+        let half = self.next_not_in(self.at + 1, Roles::of(&[Role::A]));
         let found = self.is(Role::And) && self.entry_at(half).number == Some(HALF);
         self.at = if found { half + 1 } else { self.at };
         if found { HALF } else { 0.0 }
@@ -51,10 +51,10 @@ impl Parser<'_> {
 
     /// A whole number.
     pub(crate) fn whole(&mut self) -> Option<u32> {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         let number = self.number().filter(|number| number.fract() == 0.0);
         if number.is_none() {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         number.map(|number| number as u32)
     }
@@ -66,10 +66,10 @@ impl Parser<'_> {
         if !self.roles().has_any(FIRST) {
             return None;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         let quantity = self.limited().filter(|_| !self.is(Role::Unit) && !self.is(Role::Clock));
         if quantity.is_none() {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         quantity
     }
@@ -79,10 +79,10 @@ impl Parser<'_> {
             self.at += 1;
             return Some(Quantity::NONE);
         }
-        if self.take(Role::Several) {
+        if self.eat(Role::Several) {
             return Some(Quantity::at_least(2));
         }
-        if self.take(Role::Between) || self.is(Role::Number) {
+        if self.eat(Role::Between) || self.is(Role::Number) {
             let least = self.whole()?;
             if self.is(Role::Or) && self.is_at(self.at + 1, Role::More) {
                 self.at += 2;
@@ -117,10 +117,10 @@ impl Parser<'_> {
         if !self.roles().has_any(FIRST) {
             return None;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         let length = self.measured();
         if length.is_none() {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         length
     }
@@ -128,7 +128,7 @@ impl Parser<'_> {
     fn measured(&mut self) -> Option<Interval> {
         let limit = self.entry().limit;
         self.at += usize::from(limit.is_some());
-        let is_between = limit.is_none() && self.take(Role::Between);
+        let is_between = limit.is_none() && self.eat(Role::Between);
         let limit = if limit == Some(Limit::About) && self.entry().limit.is_some() {
             let inner = self.entry().limit;
             self.at += 1;
@@ -159,7 +159,7 @@ impl Parser<'_> {
         }
         let unit = self.unit().or(unit)?;
         let metres = |number: f64| rounded_m(number * unit);
-        let limit = if self.take(Role::Radius) { Some(Limit::AtMost) } else { limit };
+        let limit = if self.eat(Role::Radius) { Some(Limit::AtMost) } else { limit };
         if let Some(second) = second {
             let ends = [metres(number), metres(second)];
             return Some(Interval {

@@ -8,29 +8,29 @@ use jrdb_types::{Condition, Pattern};
 use crate::config::OfPerson;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{any_of, levels, push_related, related, remembered};
-use crate::phrase::{Anchor, Behind, Partner, Spot, Thing, is_robot};
+use crate::pattern::{any_of, levels, push_related, related, truncated_antecedent};
+use crate::phrase::{After, LocationPhrase, NounGroup, Partner, Reference, is_robot};
 
 impl Parser<'_> {
     /// "close to me", "to the left of a child", "at a far distance".
-    pub(crate) fn placed(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
-        let (mark, start) = (self.mark(), self.at);
-        let mut spot = Spot::default();
-        if !self.spot(pattern, &mut spot) {
+    pub(crate) fn location(&mut self, pattern: &mut Pattern, after: After) -> bool {
+        let (checkpoint, start) = (self.checkpoint(), self.at);
+        let mut location = LocationPhrase::default();
+        if !self.location_phrase(pattern, &mut location) {
             return false;
         }
-        let is_unsaid = matches!(spot.anchor, Anchor::Unsaid);
-        if behind == Behind::Partner && is_unsaid && spot.places.iter().all(is_distance) {
+        let is_unsaid = matches!(location.reference, Reference::Unsaid);
+        if after == After::Partner && is_unsaid && location.places.iter().all(is_distance) {
             // "left of the woman at a far distance": how far from her, not she from the robot.
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
-        if matches!(spot.anchor, Anchor::His) && self.is_at_his(pattern, start) {
+        if matches!(location.reference, Reference::His) && self.is_at_his(pattern, start) {
             let Some(Condition::Related(last)) = pattern.conditions.last_mut() else { return true };
-            last.kinds.extend(kinds(&spot, Viewpoint::Subject));
+            last.kinds.extend(kinds(&location, Viewpoint::Subject));
             return true;
         }
-        self.put_spot(&mut spot, pattern, start);
+        self.push_location(&mut location, pattern, start);
         true
     }
 
@@ -41,28 +41,35 @@ impl Parser<'_> {
         is_direct && matches!(pattern.conditions.last(), Some(Condition::Related(_)))
     }
 
-    fn put_spot(&mut self, spot: &mut Spot, pattern: &mut Pattern, start: usize) {
-        match std::mem::take(&mut spot.anchor) {
-            Anchor::Unsaid | Anchor::Robot => from_robot(spot, pattern),
-            Anchor::Own(owner) if owner.category == Category::Robot => from_robot(spot, pattern),
-            Anchor::Own(owner) => self.put_own(spot, owner, pattern),
-            Anchor::His => {
-                let owner = self.owner_of_his(start);
-                self.put_own(spot, owner, pattern);
+    fn push_location(
+        &mut self,
+        location: &mut LocationPhrase,
+        pattern: &mut Pattern,
+        start: usize,
+    ) {
+        match std::mem::take(&mut location.reference) {
+            Reference::Unsaid | Reference::Robot => push_from_robot(location, pattern),
+            Reference::Own(owner) if owner.category == Category::Robot => {
+                push_from_robot(location, pattern);
             }
-            Anchor::Him => {
+            Reference::Own(owner) => self.push_own_side(location, owner, pattern),
+            Reference::His => {
+                let owner = self.owner_of_his(start);
+                self.push_own_side(location, owner, pattern);
+            }
+            Reference::Him => {
                 let partner = self.owner_of_his(start);
                 let partner = Partner { pattern: partner, ..Partner::default() };
-                self.put_beside(spot, vec![partner], pattern);
+                self.push_beside(location, vec![partner], pattern);
             }
-            Anchor::Things(partners) => self.put_beside(spot, partners, pattern),
+            Reference::Things(partners) => self.push_beside(location, partners, pattern),
         }
     }
 
     fn owner_of_his(&mut self, start: usize) -> Pattern {
         const PRONOUN: Roles = Roles::of(&[Role::His, Role::Him]);
         let at = (start..self.at).find(|at| self.roles_at(*at).has_any(PRONOUN));
-        let found = self.antecedent(at.unwrap_or(start));
+        let found = self.antecedent_at(at.unwrap_or(start));
         if found.is_none() {
             let message = "nobody was spoken of before who can be meant; read as anybody".into();
             self.report(IssueKind::Ambiguous, start, self.at, message);
@@ -71,18 +78,28 @@ impl Parser<'_> {
     }
 
     /// "on the man's left": his own, whatever the configuration says of "left of the man".
-    fn put_own(&mut self, spot: &mut Spot, owner: Pattern, pattern: &mut Pattern) {
+    fn push_own_side(
+        &mut self,
+        location: &mut LocationPhrase,
+        owner: Pattern,
+        pattern: &mut Pattern,
+    ) {
         let is_person = owner.category == Category::Person;
         let viewpoint = if is_person { Viewpoint::Partner } else { Viewpoint::Robot };
-        spot.loosen();
-        push_related(pattern, kinds(spot, viewpoint), owner, Quantity::SOME);
+        location.apply_near_default();
+        push_related(pattern, kinds(location, viewpoint), owner, Quantity::SOME);
     }
 
-    fn put_beside(&mut self, spot: &mut Spot, partners: Vec<Partner>, pattern: &mut Pattern) {
+    fn push_beside(
+        &mut self,
+        location: &mut LocationPhrase,
+        partners: Vec<Partner>,
+        pattern: &mut Pattern,
+    ) {
         let mut is_told = false;
         for partner in partners {
             if is_robot(&partner) {
-                from_robot(spot, pattern);
+                push_from_robot(location, pattern);
                 continue;
             }
             let is_person = partner.pattern.category == Category::Person;
@@ -91,17 +108,17 @@ impl Parser<'_> {
                 _ => Viewpoint::Robot,
             };
             if viewpoint == Viewpoint::Partner && !is_told {
-                self.report_side(spot);
+                self.report_side(location);
                 is_told = true;
             }
-            spot.loosen();
-            let kinds = kinds(spot, viewpoint);
+            location.apply_near_default();
+            let kinds = kinds(location, viewpoint);
             push_related(pattern, kinds, partner.pattern, partner.quantity);
         }
     }
 
-    fn report_side(&mut self, spot: &Spot) {
-        let Some(at) = spot.sided else { return };
+    fn report_side(&mut self, location: &LocationPhrase) {
+        let Some(at) = location.sided else { return };
         let word = self.word(at);
         let message = format!("read as that person's own {word}, not as seen from the robot");
         self.report(IssueKind::Ambiguous, at, at + 1, message);
@@ -110,14 +127,14 @@ impl Parser<'_> {
     /// "has a woman to his right", "with a bag", "a woman located to his right": things and where they are, seen from the
     /// subject.
     pub(crate) fn possession(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         let mut is_without = self.is(Role::Without);
         if !self.roles().has_any(Roles::of(&[Role::Has, Role::With, Role::Without])) {
             return false;
         }
         self.at += 1;
-        self.skip(Roles::of(&[Role::With, Role::Filler, Role::Either]));
-        is_without |= self.take(Role::Neither);
+        self.skip_while(Roles::of(&[Role::With, Role::Filler, Role::Either]));
+        is_without |= self.eat(Role::Neither);
         let mut found = false;
         let length = pattern.conditions.len();
         let mut is_or = false;
@@ -134,7 +151,7 @@ impl Parser<'_> {
             }
             found = true;
             let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
-            if !is_more || !self.is_thing_next() || self.is_next_told_of_him() {
+            if !is_more || !self.is_thing_next() || self.is_next_located_by_his() {
                 break;
             }
             if pattern.conditions.len() - length == 1 && self.is_person_next() {
@@ -147,13 +164,13 @@ impl Parser<'_> {
             self.at += 1;
         }
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }
 
     /// "'s bag" behind "the woman": the bag that is with her.
-    pub(crate) fn owned(&mut self, thing: &mut Thing) {
+    pub(crate) fn owned(&mut self, thing: &mut NounGroup) {
         while self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Noun) {
             if !self.has_room(levels(&thing.pattern)) {
                 return;
@@ -174,13 +191,13 @@ impl Parser<'_> {
 
     /// "and a man on the right" behind "has a woman on the left".
     fn is_placed_person_next(&self) -> bool {
-        const PERSON: Roles = Roles::of(&[Role::The, Role::A, Role::Says, Role::Noun]);
-        let next = self.after(self.at + 1, PERSON);
+        const PERSON: Roles = Roles::of(&[Role::The, Role::A, Role::Implies, Role::Noun]);
+        let next = self.next_not_in(self.at + 1, PERSON);
         self.roles_at(next).has_any(Roles::of(&[Role::At, Role::To, Role::Sector, Role::Near]))
     }
 
     fn is_person_next(&self) -> bool {
-        let next = self.after(self.at + 1, Roles::of(&[Role::The, Role::A, Role::Says]));
+        let next = self.next_not_in(self.at + 1, Roles::of(&[Role::The, Role::A, Role::Implies]));
         self.entry_at(next).category == Some(Category::Person)
     }
 
@@ -190,22 +207,22 @@ impl Parser<'_> {
             return Some(related(kinds, robot, Quantity::SOME));
         }
         let start = self.at;
-        let mut thing = Thing::default();
-        if !self.read_thing(&mut thing) {
+        let mut thing = NounGroup::default();
+        if !self.read_noun_group(&mut thing) {
             return None;
         }
         let quantity = thing.how_many();
         if self.is_facing_him() {
-            self.spoken = Some(remembered(pattern));
+            self.antecedent = Some(truncated_antecedent(pattern));
         }
-        while self.is_deed_of_partner() && self.deed(&mut thing.pattern) {}
+        while self.is_activity_next() && self.activity(&mut thing.pattern) {}
         if self.is_facing_him() {
             self.relation(&mut thing.pattern);
         }
         if self.is(Role::With) && self.is_at(self.at + 1, Role::Him) {
             // "has a dog with him" is no more than "has a dog".
             self.at += 1;
-            self.his();
+            self.eat_pronoun();
         }
         let is_none = quantity == Quantity::NONE;
         let quantity = if is_none { Quantity::SOME } else { quantity };
@@ -225,8 +242,8 @@ impl Parser<'_> {
             && self.is_at(self.at + 1, Role::Him)
     }
 
-    fn is_deed_of_partner(&self) -> bool {
-        self.roles().has_any(Roles::of(&[Role::Action, Role::Deed]))
+    fn is_activity_next(&self) -> bool {
+        self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]))
     }
 
     /// The relation of the subject to what it has.
@@ -239,13 +256,13 @@ impl Parser<'_> {
         if let Some(kind) = self.beside_him() {
             return vec![kind];
         }
-        let mut spot = Spot::default();
-        if self.spot(subject, &mut spot) {
-            if matches!(spot.anchor, Anchor::Unsaid | Anchor::His | Anchor::Him) {
-                spot.loosen();
-                return kinds(&spot, Viewpoint::Subject);
+        let mut location = LocationPhrase::default();
+        if self.location_phrase(subject, &mut location) {
+            if matches!(location.reference, Reference::Unsaid | Reference::His | Reference::Him) {
+                location.apply_near_default();
+                return kinds(&location, Viewpoint::Subject);
             }
-            self.put_spot(&mut spot, partner, start);
+            self.push_location(&mut location, partner, start);
         }
         vec![RelationKind::With]
     }
@@ -260,25 +277,27 @@ impl Parser<'_> {
             return None;
         }
         self.at = next;
-        self.his();
+        self.eat_pronoun();
         Some(kind.clone())
     }
 
     /// "a woman located to his right": the same without "has". One relation with the deed before it when both are with
     /// the same, described thing.
-    pub(crate) fn other_at_his(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        let found = self.thing().filter(|_| self.is_told_of_him(self.at));
-        let mut spot = Spot::default();
-        let is_at_his = self.spot(pattern, &mut spot) && matches!(spot.anchor, Anchor::His);
+    pub(crate) fn noun_located_by_his(&mut self, pattern: &mut Pattern) -> bool {
+        let checkpoint = self.checkpoint();
+        let found = self.noun_group().filter(|_| self.is_located_by_his_at(self.at));
+        let mut location = LocationPhrase::default();
+        let is_at_his = self.location_phrase(pattern, &mut location)
+            && matches!(location.reference, Reference::His);
         let Some(thing) = found.filter(|_| is_at_his) else {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         };
-        let kinds = kinds(&spot, Viewpoint::Subject);
+        let kinds = kinds(&location, Viewpoint::Subject);
         if let Some(Condition::Related(last)) = pattern.conditions.last_mut() {
-            let is_deed = matches!(last.kinds[..], [RelationKind::Interaction(_)]);
-            if is_deed && last.partner == thing.pattern && !thing.pattern.conditions.is_empty() {
+            let is_activity = matches!(last.kinds[..], [RelationKind::Interaction(_)]);
+            if is_activity && last.partner == thing.pattern && !thing.pattern.conditions.is_empty()
+            {
                 last.kinds.extend(kinds);
                 return true;
             }
@@ -288,8 +307,8 @@ impl Parser<'_> {
     }
 }
 
-fn from_robot(spot: &Spot, pattern: &mut Pattern) {
-    pattern.conditions.extend(spot.places.iter().copied().map(Condition::FromRobot));
+fn push_from_robot(location: &LocationPhrase, pattern: &mut Pattern) {
+    pattern.conditions.extend(location.places.iter().copied().map(Condition::FromRobot));
 }
 
 fn is_not(condition: &Condition) -> bool {
@@ -307,7 +326,7 @@ fn is_distance(place: &Place) -> bool {
 }
 
 /// Distances are told the same from both sides; they stand with the partner, or with the subject that has it.
-fn kinds(spot: &Spot, viewpoint: Viewpoint) -> Vec<RelationKind> {
+fn kinds(location: &LocationPhrase, viewpoint: Viewpoint) -> Vec<RelationKind> {
     let of_distance = match viewpoint {
         Viewpoint::Subject => Viewpoint::Subject,
         Viewpoint::Partner | Viewpoint::Robot => Viewpoint::Partner,
@@ -316,5 +335,5 @@ fn kinds(spot: &Spot, viewpoint: Viewpoint) -> Vec<RelationKind> {
         let viewpoint = if is_distance(place) { of_distance } else { viewpoint };
         RelationKind::Placed { place: *place, viewpoint }
     };
-    spot.places.iter().map(kind).collect()
+    location.places.iter().map(kind).collect()
 }

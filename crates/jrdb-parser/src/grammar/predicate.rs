@@ -5,16 +5,16 @@ use jrdb_types::{Condition, Pattern};
 
 use crate::grammar::clothes::CLOTHES_START;
 use crate::grammar::noun::NOUN_START;
-use crate::grammar::place::SPOT_START;
+use crate::grammar::place::LOCATION_START;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{all_of, alternative, any_of, push_related, split_from};
-use crate::phrase::Behind;
+use crate::phrase::After;
 
 impl Parser<'_> {
     /// Predicates that stand together without a joint: "sitting near the table".
-    pub(crate) fn together(&mut self, pattern: &mut Pattern) -> bool {
-        if !self.predicate(pattern, Behind::Verb) {
+    pub(crate) fn predicates(&mut self, pattern: &mut Pattern) -> bool {
+        if !self.predicate(pattern, After::Verb) {
             return false;
         }
         const JOINTS: Roles = Roles::of(&[
@@ -31,18 +31,18 @@ impl Parser<'_> {
             Role::Has,
             Role::Than,
             Role::Without,
-            Role::Lacks,
+            Role::Unsupported,
             Role::Except,
         ]);
         while !self.is_end()
             && !self.roles().has_any(JOINTS)
-            && self.predicate(pattern, Behind::Noun)
+            && self.predicate(pattern, After::Noun)
         {}
         true
     }
 
     /// One thing said of the subject.
-    pub(crate) fn predicate(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
+    pub(crate) fn predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
         let roles = self.roles();
         if roles.has(Role::Not) {
             return self.negated(pattern);
@@ -50,16 +50,17 @@ impl Parser<'_> {
         if roles.has_any(CLOTHES_START) && self.clothes(pattern) {
             return true;
         }
-        if roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
-            return self.deed(pattern);
+        if roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
+            return self.activity(pattern);
         }
-        if roles.has(Role::Noun) && behind == Behind::Verb && self.nominal(pattern) {
+        if roles.has(Role::Noun) && after == After::Verb && self.predicate_nominal(pattern) {
             return true;
         }
-        if roles.has(Role::Says) {
+        if roles.has(Role::Implies) {
             return self.adjective_predicate(pattern);
         }
-        if roles.has_any(SPOT_START) && !roles.has(Role::Noun) && self.placed(pattern, behind) {
+        if roles.has_any(LOCATION_START) && !roles.has(Role::Noun) && self.location(pattern, after)
+        {
             return true;
         }
         if roles.has(Role::Relation) && self.relation(pattern) {
@@ -70,17 +71,17 @@ impl Parser<'_> {
         {
             return true;
         }
-        self.rare_predicate(pattern, behind)
+        self.rare_predicate(pattern, after)
     }
 
-    fn rare_predicate(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
+    fn rare_predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
         let (roles, start) = (self.roles(), self.at);
         if roles.has(Role::Neither) {
             return self.neither(pattern);
         }
         if roles.has(Role::Either) {
-            self.skip(Roles::of(&[Role::Either]));
-            return self.predicate(pattern, behind) || {
+            self.skip_while(Roles::of(&[Role::Either]));
+            return self.predicate(pattern, after) || {
                 self.at = start;
                 false
             };
@@ -96,7 +97,7 @@ impl Parser<'_> {
         let is_the = roles.has(Role::The) && self.is_at(start + 1, Role::Superlative);
         if roles.has(Role::Superlative) || is_the {
             self.at += usize::from(is_the);
-            return self.chosen_predicate(pattern, 1, start);
+            return self.superlative_predicate(pattern, 1, start);
         }
         if roles.has(Role::Comparative) {
             return self.comparative(pattern);
@@ -109,12 +110,14 @@ impl Parser<'_> {
         }
         if let Some((rank, length)) = self.ordinal() {
             self.at += length;
-            return self.chosen_predicate(pattern, rank, start);
+            return self.superlative_predicate(pattern, rank, start);
         }
-        self.at_thing(pattern) || self.lacking() || behind == Behind::Verb && self.nominal(pattern)
+        self.at_thing(pattern)
+            || self.unsupported_predicate()
+            || after == After::Verb && self.predicate_nominal(pattern)
     }
 
-    fn chosen_predicate(&mut self, pattern: &mut Pattern, rank: u32, start: usize) -> bool {
+    fn superlative_predicate(&mut self, pattern: &mut Pattern, rank: u32, start: usize) -> bool {
         match self.superlative(rank, 1).or_else(|| self.side_pick(rank, 1)) {
             Some(pick) => self.put_pick(pattern, pick, start),
             None => {
@@ -125,18 +128,18 @@ impl Parser<'_> {
     }
 
     /// "is a child", "is a woman located to his right", "is the tallest person".
-    fn nominal(&mut self, pattern: &mut Pattern) -> bool {
+    fn predicate_nominal(&mut self, pattern: &mut Pattern) -> bool {
         if !self.roles().has_any(NOUN_START) || self.is(Role::Unknown) {
             return false;
         }
-        if self.other_at_his(pattern) {
+        if self.noun_located_by_his(pattern) {
             return true;
         }
-        let (mark, start) = (self.mark(), self.at);
-        let Some(thing) = self.thing() else { return false };
+        let (checkpoint, start) = (self.checkpoint(), self.at);
+        let Some(thing) = self.noun_group() else { return false };
         let (is, was) = (&thing.pattern.category, &pattern.category);
         if is != was && *was != Category::Anything {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         if *was == Category::Anything {
@@ -151,11 +154,11 @@ impl Parser<'_> {
 
     /// "not sitting", "isn't near the door or the wall".
     fn negated(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, start) = (self.mark(), pattern.conditions.len());
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         self.at += 1;
-        self.skip(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
-        if !self.deeper(|parser| parser.together(pattern)) {
-            self.reset(mark);
+        self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
+        if !self.nested(|parser| parser.predicates(pattern)) {
+            self.rewind(checkpoint);
             return false;
         }
         if pattern.conditions.len() == start {
@@ -163,10 +166,10 @@ impl Parser<'_> {
         }
         let mut parts = vec![all_of(split_from(&mut pattern.conditions, start))];
         while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
-            let mark = self.mark();
+            let checkpoint = self.checkpoint();
             self.at += 1;
-            if !self.deeper(|parser| parser.together(pattern)) {
-                self.reset(mark);
+            if !self.nested(|parser| parser.predicates(pattern)) {
+                self.rewind(checkpoint);
                 break;
             }
             parts.push(all_of(split_from(&mut pattern.conditions, start)));
@@ -178,10 +181,10 @@ impl Parser<'_> {
 
     /// "neither sitting nor standing".
     fn neither(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, start) = (self.mark(), pattern.conditions.len());
-        while self.take(Role::Neither) || pattern.conditions.len() > start && self.take(Role::Or) {
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
+        while self.eat(Role::Neither) || pattern.conditions.len() > start && self.eat(Role::Or) {
             let length = pattern.conditions.len();
-            if !self.deeper(|parser| parser.together(pattern)) {
+            if !self.nested(|parser| parser.predicates(pattern)) {
                 break;
             }
             if pattern.conditions.len() == length {
@@ -192,19 +195,19 @@ impl Parser<'_> {
         }
         let found = pattern.conditions.len() > start;
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }
 
     /// "except those standing".
     pub(crate) fn except(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
         let category = pattern.category.clone();
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         for partner in partners {
@@ -215,7 +218,7 @@ impl Parser<'_> {
     }
 
     /// "in the red shirt": what no scene graph holds, with an issue.
-    fn lacking(&mut self) -> bool {
+    fn unsupported_predicate(&mut self) -> bool {
         const LEAD: Roles = Roles::of(&[
             Role::At,
             Role::The,
@@ -227,17 +230,17 @@ impl Parser<'_> {
             Role::To,
             Role::Located,
         ]);
-        let next = self.after(self.at, LEAD);
-        if !self.is_at(next, Role::Lacks) {
+        let next = self.next_not_in(self.at, LEAD);
+        if !self.is_at(next, Role::Unsupported) {
             return false;
         }
         self.at = next;
-        while self.lacks() {
-            let and = self.is(Role::And) && self.is_at(self.at + 1, Role::Lacks);
+        while self.eat_unsupported() {
+            let and = self.is(Role::And) && self.is_at(self.at + 1, Role::Unsupported);
             self.at += usize::from(and);
         }
-        if self.take(Role::Relative) {
-            self.take(Role::To);
+        if self.eat(Role::Relative) {
+            self.eat(Role::To);
             self.robot();
         }
         true
@@ -245,11 +248,11 @@ impl Parser<'_> {
 
     /// "at the table", "on a chair": has to do with it.
     fn at_thing(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        let is_named = self.take(Role::At) && self.is_object_next();
+        let checkpoint = self.checkpoint();
+        let is_named = self.eat(Role::At) && self.is_object_next();
         let partners = if is_named { self.partners_of(pattern) } else { Vec::new() };
         if partners.is_empty() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         for partner in partners {
@@ -259,20 +262,20 @@ impl Parser<'_> {
     }
 
     fn is_object_next(&self) -> bool {
-        let next = self.after(
+        let next = self.next_not_in(
             self.at,
             Roles::of(&[
                 Role::The,
                 Role::A,
                 Role::His,
                 Role::My,
-                Role::Says,
+                Role::Implies,
                 Role::Sector,
                 Role::Far,
                 Role::All,
                 Role::Superlative,
                 Role::Number,
-                Role::Lacks,
+                Role::Unsupported,
             ]),
         );
         self.entry_at(next).category.as_ref().is_some_and(|c| *c != Category::Person)
@@ -280,16 +283,16 @@ impl Parser<'_> {
 
     /// "whose age is young".
     pub(crate) fn whose(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
-        let is_property = self.take(Role::Asks) && self.take(Role::Is);
+        let is_property = self.eat(Role::Asks) && self.eat(Role::Is);
         let found = if is_property {
-            self.predicate(pattern, Behind::Noun)
+            self.predicate(pattern, After::Noun)
         } else {
             self.whose_clothes(pattern)
         };
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }

@@ -6,8 +6,8 @@ use jrdb_types::{Condition, Issue, Pattern, Query};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, either, remembered, set_count, split_from};
-use crate::phrase::{Part, Scope, Target, Thing};
+use crate::pattern::{all_of, either, set_count, split_from, truncated_antecedent};
+use crate::phrase::{NounGroup, Part, Scope, Target};
 
 /// What "describe" tells.
 const DESCRIPTION: [Property; 4] =
@@ -28,7 +28,7 @@ const EXCEPT: Roles = Roles::of(&[Role::Except, Role::But]);
 impl Parser<'_> {
     /// Reads the whole question.
     pub(crate) fn question(mut self) -> Query {
-        let (task, target) = self.asked();
+        let (task, target) = self.question_form();
         while !self.is_end() {
             self.report_unused();
         }
@@ -46,17 +46,17 @@ impl Parser<'_> {
         Query { text: self.text.into(), task, target, slots: self.slots, issues: self.issues }
     }
 
-    pub(crate) fn asked(&mut self) -> (Task, Pattern) {
-        self.skip(LEAD);
+    pub(crate) fn question_form(&mut self) -> (Task, Pattern) {
+        self.skip_while(LEAD);
         self.addressed();
         let roles = self.roles();
-        let what = self.after(self.at, Roles::of(&[Role::The]));
+        let what = self.next_not_in(self.at, Roles::of(&[Role::The]));
         let links = Roles::of(&[Role::Is, Role::Of]);
-        if self.is_at(what, Role::Lacks) && self.roles_at(what + 1).has_any(links) {
+        if self.is_at(what, Role::Unsupported) && self.roles_at(what + 1).has_any(links) {
             self.at = what;
             self.report_unused();
-            self.take(Role::Of);
-            self.skip(COPULA);
+            self.eat(Role::Of);
+            self.skip_while(COPULA);
             return (Task::Find, self.target().pattern);
         }
         if roles.has(Role::Find) {
@@ -64,15 +64,15 @@ impl Parser<'_> {
         }
         if roles.has(Role::Count) {
             self.at += 1;
-            self.skip(Roles::of(&[Role::Of]));
+            self.skip_while(Roles::of(&[Role::Of]));
             let target = self.target();
             self.report_count(&target);
             return (Task::Count, target.pattern);
         }
         if roles.has(Role::Where) {
             self.at += 1;
-            self.skip(COPULA);
-            self.skip(Roles::of(&[Role::Find, Role::Filler]));
+            self.skip_while(COPULA);
+            self.skip_while(Roles::of(&[Role::Find, Role::Filler]));
             let target = self.target();
             self.report_count(&target);
             return (Task::Where, target.pattern);
@@ -95,10 +95,10 @@ impl Parser<'_> {
             return self.properties();
         }
         if roles.has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing, Role::Has])) {
-            return self.exists();
+            return self.yes_no_question();
         }
         if roles.has(Role::If) {
-            return self.whether();
+            return self.embedded_question();
         }
         if roles.has_any(Roles::of(&[Role::More, Role::Fewer])) {
             return self.compare_counts();
@@ -106,7 +106,7 @@ impl Parser<'_> {
         if roles.has(Role::Of) && !roles.has(Role::Sector) {
             return self.among();
         }
-        self.named()
+        self.verbless_question()
     }
 
     /// "Robot, ..." speaks to the robot, not of it.
@@ -114,7 +114,7 @@ impl Parser<'_> {
         const NEXT: Roles = Roles::of(&[Role::Comma, Role::Find, Role::Which, Role::Count]);
         if self.is(Role::Robot) && self.roles_at(self.at + 1).has_any(NEXT) {
             self.at += 1;
-            self.skip(LEAD);
+            self.skip_while(LEAD);
         }
     }
 
@@ -131,10 +131,10 @@ impl Parser<'_> {
             Role::If,
         ]);
         self.at += 1;
-        self.skip(Roles::of(&[Role::Filler, Role::To]));
+        self.skip_while(Roles::of(&[Role::Filler, Role::To]));
         let roles = self.roles();
         if roles.has_any(OPENERS) && !roles.has(Role::The) {
-            return self.deeper(Self::asked);
+            return self.nested(Self::question_form);
         }
         if roles.has(Role::Asks) || roles.has(Role::The) && self.is_at(self.at + 1, Role::Asks) {
             return self.properties();
@@ -159,15 +159,15 @@ impl Parser<'_> {
 
     /// "of the people near the door, who is the tallest?"
     fn among(&mut self) -> (Task, Pattern) {
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += 1;
-        let all = self.thing().map(|thing| self.with_modifiers(thing.pattern, thing.count));
-        self.take(Role::Comma);
+        let all = self.noun_group().map(|thing| self.with_modifiers(thing.pattern, thing.count));
+        self.eat(Role::Comma);
         let (Some(all), false) = (all, self.is_end()) else {
-            self.reset(mark);
-            return self.named();
+            self.rewind(checkpoint);
+            return self.verbless_question();
         };
-        let (task, mut target) = self.deeper(Self::asked);
+        let (task, mut target) = self.nested(Self::question_form);
         let fits = matches!(target.category, Category::Person | Category::Anything);
         target.category = if fits { all.category } else { target.category };
         target.conditions.splice(0..0, all.conditions);
@@ -175,7 +175,7 @@ impl Parser<'_> {
     }
 
     /// A question without a question word: "the man near the table", "exactly three people sitting".
-    fn named(&mut self) -> (Task, Pattern) {
+    fn verbless_question(&mut self) -> (Task, Pattern) {
         let target = self.target();
         match target.quantity {
             Some(quantity) => (Task::Exists(quantity), target.pattern),
@@ -188,36 +188,36 @@ impl Parser<'_> {
 
     /// The thing asked for with all that is said of it.
     pub(crate) fn target(&mut self) -> Target {
-        let first = self.target_thing();
+        let first = self.target_noun_group();
         self.finish(first)
     }
 
-    pub(crate) fn target_thing(&mut self) -> Thing {
-        self.skip(Roles::of(&[Role::Either, Role::Filler]));
-        let mut thing = Thing::default();
-        if self.read_thing(&mut thing) {
+    pub(crate) fn target_noun_group(&mut self) -> NounGroup {
+        self.skip_while(Roles::of(&[Role::Either, Role::Filler]));
+        let mut thing = NounGroup::default();
+        if self.read_noun_group(&mut thing) {
             return thing;
         }
         if self.is(Role::Him) {
             let pattern = self.pronoun().unwrap_or_default();
-            return Thing { pattern, ..Thing::default() };
+            return NounGroup { pattern, ..NounGroup::default() };
         }
         if self.is(Role::All) && self.roles_at(self.at + 1).has_any(EXCEPT) {
             self.at += 1;
-            return Thing::default();
+            return NounGroup::default();
         }
-        let next = self.after(self.at, Roles::of(&[Role::The, Role::A]));
+        let next = self.next_not_in(self.at, Roles::of(&[Role::The, Role::A]));
         if next > self.at && self.is_at(next, Role::Unknown) {
             self.at = next;
-            self.report_stranger();
+            self.report_unknown_noun();
             let pattern = Pattern::of(Category::Anything);
-            return Thing { pattern, ..Thing::default() };
+            return NounGroup { pattern, ..NounGroup::default() };
         }
-        Thing::default()
+        NounGroup::default()
     }
 
     /// Reads what is said behind the noun, and alternatives: "the man or the woman next to him".
-    pub(crate) fn finish(&mut self, thing: Thing) -> Target {
+    pub(crate) fn finish(&mut self, thing: NounGroup) -> Target {
         let mut pattern = thing.pattern;
         let (start, told) = (thing.start, self.at);
         let head = self.clauses(&mut pattern, Scope::Top);
@@ -233,7 +233,7 @@ impl Parser<'_> {
         } else {
             pattern
         };
-        let Thing { quantity, count, is_all, .. } = thing;
+        let NounGroup { quantity, count, is_all, .. } = thing;
         Target { pattern, quantity, count, is_all, head }
     }
 
@@ -246,10 +246,10 @@ impl Parser<'_> {
             is_list &= self.is(Role::Comma) && !self.roles_at(self.at + 1).has_any(JOINTS);
             self.at += 1;
             if self.has_pronouns {
-                self.spoken = parts.last().map(|part| remembered(&part.pattern));
+                self.antecedent = parts.last().map(|part| truncated_antecedent(&part.pattern));
             }
             let start = self.at;
-            let Some(Thing { mut pattern, count, .. }) = self.thing() else { break };
+            let Some(NounGroup { mut pattern, count, .. }) = self.noun_group() else { break };
             let (head, told) = (pattern.conditions.len(), self.at);
             self.clauses(&mut pattern, Scope::Top);
             set_count(&mut pattern, count);
@@ -267,7 +267,7 @@ impl Parser<'_> {
         let mut things = Vec::new();
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
             self.at += 1;
-            let Some(thing) = self.thing() else { break };
+            let Some(thing) = self.noun_group() else { break };
             things.push(self.with_modifiers(thing.pattern, thing.count));
         }
         let choice = either(things);
@@ -276,36 +276,36 @@ impl Parser<'_> {
     }
 
     /// "is there a man", "are there more men than women", "is the man sitting".
-    fn exists(&mut self) -> (Task, Pattern) {
+    fn yes_no_question(&mut self) -> (Task, Pattern) {
         let is_has = self.is(Role::Has);
         self.at += 1;
-        self.skip(Roles::of(&[Role::Filler, Role::Doing]));
+        self.skip_while(Roles::of(&[Role::Filler, Role::Doing]));
         if self.roles().has_any(Roles::of(&[Role::More, Role::Fewer])) {
             return self.compare_counts();
         }
         let is_definite = self.is(Role::The);
-        self.exist(is_definite, is_has)
+        self.finish_yes_no(is_definite, is_has)
     }
 
     /// "if anyone is sitting".
-    fn whether(&mut self) -> (Task, Pattern) {
+    fn embedded_question(&mut self) -> (Task, Pattern) {
         self.at += 1;
-        self.skip(LEAD);
+        self.skip_while(LEAD);
         if self.roles().has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing])) {
-            return self.exists();
+            return self.yes_no_question();
         }
         let is_definite = self.is(Role::The);
-        self.exist(is_definite, false)
+        self.finish_yes_no(is_definite, false)
     }
 
-    fn exist(&mut self, is_definite: bool, is_has: bool) -> (Task, Pattern) {
+    fn finish_yes_no(&mut self, is_definite: bool, is_has: bool) -> (Task, Pattern) {
         self.asks_several = true;
-        let mut thing = self.target_thing();
+        let mut thing = self.target_noun_group();
         if is_has && self.is(Role::A) {
             self.possessed(&mut thing.pattern);
         }
         let is_told = is_definite || thing.is_all || thing.pattern.pick.is_some();
-        let mut target = if is_told { self.told_of(thing) } else { self.finish(thing) };
+        let mut target = if is_told { self.predicate_of(thing) } else { self.finish(thing) };
         let subjects = self.subjects.and_then(|count| u32::try_from(count).ok());
         let counted = target.count.map(|(count, _)| count).or(subjects).map(Quantity::at_least);
         let quantity = target.quantity.or(counted).unwrap_or_default();
@@ -323,18 +323,18 @@ impl Parser<'_> {
         let order = if self.is(Role::More) { Order::Most } else { Order::Least };
         let start = self.at;
         self.at += 1;
-        let thing = self.target_thing();
+        let thing = self.target_noun_group();
         let noun = thing.pattern.clone();
         let mut first = self.finish(thing);
-        if !self.take(Role::Than) {
+        if !self.eat(Role::Than) {
             let message = "more than what is not said, not used".into();
             self.report(IssueKind::MisplacedWord, start, start + 1, message);
             return (Task::Exists(Quantity::SOME), first.pattern);
         }
-        self.skip(Roles::of(&[Role::Filler, Role::Is]));
-        let second = self.thing().map_or(noun, |thing| thing.pattern);
+        self.skip_while(Roles::of(&[Role::Filler, Role::Is]));
+        let second = self.noun_group().map_or(noun, |thing| thing.pattern);
         let head = second.conditions.len();
-        let second = self.finish(Thing { pattern: second, ..Thing::default() });
+        let second = self.finish(NounGroup { pattern: second, ..NounGroup::default() });
         if first.pattern.conditions.len() == first.head && second.head == head {
             let told = second.pattern.conditions.get(head..).unwrap_or_default().to_vec();
             first.pattern.conditions.extend(told);

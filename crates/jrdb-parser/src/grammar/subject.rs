@@ -7,7 +7,7 @@ use jrdb_types::{Condition, Pattern};
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{identify, related, set_count, split_from};
-use crate::phrase::{Behind, Target, Thing};
+use crate::phrase::{After, NounGroup, Target};
 
 /// What begins a place that may belong to the subject.
 const PLACES: Roles = Roles::of(&[
@@ -30,7 +30,7 @@ const CLAUSE_ENDS: Roles =
 impl Parser<'_> {
     /// Reads the rest of "is the tallest person near the door sitting": the places are the subject's, unless nothing
     /// follows them. Then they are what is asked.
-    pub(crate) fn told_of(&mut self, mut thing: Thing) -> Target {
+    pub(crate) fn predicate_of(&mut self, mut thing: NounGroup) -> Target {
         set_count(&mut thing.pattern, thing.count);
         let mut subject = thing.pattern.conditions.len();
         let mut picks_last = false;
@@ -61,7 +61,7 @@ impl Parser<'_> {
         }
         let head = thing.pattern.conditions.len();
         thing.pattern.conditions.extend(asked);
-        self.is_one_of(&mut thing.pattern);
+        self.subject_complement(&mut thing.pattern);
         Target { head, ..self.finish(thing) }
     }
 
@@ -73,70 +73,72 @@ impl Parser<'_> {
     }
 
     fn place_of_subject(&mut self, pattern: &mut Pattern) -> bool {
-        !self.is_end() && self.predicate(pattern, Behind::Noun)
+        !self.is_end() && self.predicate(pattern, After::Noun)
     }
 
     /// "a woman", "the tallest" behind the subject of a question.
-    fn is_one_of(&mut self, pattern: &mut Pattern) {
-        let mark = self.mark();
+    fn subject_complement(&mut self, pattern: &mut Pattern) {
+        let checkpoint = self.checkpoint();
         if !self.roles().has_any(Roles::of(&[Role::The, Role::A, Role::Noun])) {
             return;
         }
-        match self.thing() {
-            Some(thing) if thing.pattern.category != pattern.category => self.reset(mark),
+        match self.noun_group() {
+            Some(thing) if thing.pattern.category != pattern.category => self.rewind(checkpoint),
             Some(thing) if thing.pattern.pick.is_some() => {
                 pattern.conditions.push(Condition::Is(Box::new(thing.pattern)));
             }
             Some(thing) => pattern.conditions.extend(thing.pattern.conditions),
-            None => self.reset(mark),
+            None => self.rewind(checkpoint),
         }
     }
 
     /// "the man is talking to" behind "the woman", "is the man carrying" behind "which box": what somebody else does with
     /// this thing.
-    pub(crate) fn done_by_another(&mut self, pattern: &mut Pattern) -> bool {
+    pub(crate) fn object_relative(&mut self, pattern: &mut Pattern) -> bool {
         const FIRST: Roles = Roles::of(&[Role::Who, Role::Is, Role::Doing]);
         const DETERMINERS: Roles = Roles::of(&[Role::The, Role::A, Role::Number]);
-        let start = self.after(self.at, FIRST);
+        let start = self.next_not_in(self.at, FIRST);
         let is_that = start > self.at && self.is_at(start - 1, Role::The);
         let has_name = self.roles_at(start).has_any(DETERMINERS) || is_that;
         let is_negated = (self.at..start).any(|at| self.is_at(at, Role::Not));
         if start > self.at + 2 || !has_name || is_negated || !self.is_doer_at(start) {
             return false;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at = start;
-        let done = self.thing().and_then(|other| self.deed_of(other, &pattern.category));
+        let done = self.noun_group().and_then(|other| self.activity_of(other, &pattern.category));
         match done {
             Some(done) => pattern.conditions.push(done),
-            None => self.reset(mark),
+            None => self.rewind(checkpoint),
         }
         self.at > start
     }
 
     /// Whether a plain name and what its thing does stand at a place.
     fn is_doer_at(&self, at: usize) -> bool {
-        const DEEDS: Roles = Roles::of(&[Role::Deed, Role::Action, Role::Has]);
-        let verb = |noun| self.after(noun + 1, Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
-        let noun = self.noun_at(self.after(at, Roles::of(&[Role::The, Role::A])));
-        noun.is_some_and(|noun| self.roles_at(verb(noun)).has_any(DEEDS))
+        const ACTIVITIES: Roles = Roles::of(&[Role::Interaction, Role::Action, Role::Has]);
+        let verb =
+            |noun| self.next_not_in(noun + 1, Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
+        let noun = self.noun_at(self.next_not_in(at, Roles::of(&[Role::The, Role::A])));
+        noun.is_some_and(|noun| self.roles_at(verb(noun)).has_any(ACTIVITIES))
     }
 
     /// What a thing does with one of the category that the clause is about, which is not named again.
-    fn deed_of(&mut self, other: Thing, category: &Category) -> Option<Condition> {
+    fn activity_of(&mut self, other: NounGroup, category: &Category) -> Option<Condition> {
         let quantity = other.how_many();
         let mut doer = other.pattern;
-        self.skip(Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
+        self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
         let entry = self.entry();
         self.at += 1;
         let is_person = *category == Category::Person;
         let kind = if let (Some(label), true) = (&entry.people, is_person) {
-            let has_with = self.take(Role::With) || self.take(Role::To);
-            (has_with || entry.says.is_empty()).then(|| RelationKind::Interaction(label.clone()))?
+            let has_with = self.eat(Role::With) || self.eat(Role::To);
+            (has_with || entry.implies.is_empty())
+                .then(|| RelationKind::Interaction(label.clone()))?
         } else if entry.roles.has(Role::Has) {
             RelationKind::With
-        } else if !is_person && entry.roles.has(Role::Action) && self.take(Role::At) {
-            doer.conditions.extend(entry.says.iter().cloned());
+        } else if !is_person && entry.roles.has(Role::Action) && self.eat(Role::At) {
+            doer.conditions.extend(entry.implies.iter().cloned());
             RelationKind::With
         } else {
             let deed = vec![RelationKind::Interaction(entry.object.clone()?)];

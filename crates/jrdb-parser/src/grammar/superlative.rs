@@ -11,7 +11,7 @@ use crate::grammar::number::rounded_m;
 use crate::lexicon::{Measured, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::push_related;
-use crate::phrase::Thing;
+use crate::phrase::NounGroup;
 
 /// Words that may stand between "closest" or "second" and the place it is told from.
 const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);
@@ -35,29 +35,29 @@ impl Parser<'_> {
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let (measured, order) = self.entry().order?;
         self.at += 1;
-        let from = if measured == Measured::Distance { self.told_from() } else { None };
+        let from = if measured == Measured::Distance { self.distance_reference() } else { None };
         Some(Pick { measure: measure(measured, from), order, rank, count })
     }
 
     /// The thing of "to the door" behind "closest".
-    pub(crate) fn told_from(&mut self) -> Option<Pattern> {
-        self.take(Role::Side);
-        let next = self.after(self.at, LINK);
+    pub(crate) fn distance_reference(&mut self) -> Option<Pattern> {
+        self.eat(Role::Side);
+        let next = self.next_not_in(self.at, LINK);
         if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
             return None;
         }
-        let mark = self.mark();
+        let checkpoint = self.checkpoint();
         self.at += usize::from(self.is(Role::To));
-        let found = self.deeper(Self::party);
+        let found = self.nested(Self::noun_phrase);
         if found.is_none() {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }
 
     /// "from the left" behind "the second person": the order that the rank is of.
     pub(crate) fn side_pick(&mut self, rank: u32, count: u32) -> Option<Pick> {
-        let next = self.after(self.at, LINK);
+        let next = self.next_not_in(self.at, LINK);
         let sector = self.entry_at(next).sector?;
         let order = match sector {
             Sector::Left => Order::Least,
@@ -68,7 +68,7 @@ impl Parser<'_> {
             return None;
         }
         self.at = next + 1;
-        self.skip(Roles::of(&[Role::Side]));
+        self.skip_while(Roles::of(&[Role::Side]));
         Some(Pick { measure: Measure::FromLeft, order, rank, count })
     }
 
@@ -80,15 +80,15 @@ impl Parser<'_> {
             return false;
         };
         self.at += 1;
-        self.take(Role::Side);
-        let from = if measured == Measured::Distance { self.told_from() } else { None };
-        if !self.take(Role::Than) {
+        self.eat(Role::Side);
+        let from = if measured == Measured::Distance { self.distance_reference() } else { None };
+        if !self.eat(Role::Than) {
             let pick = Pick { measure: measure(measured, from), order, rank: 1, count: 1 };
             return self.put_pick(pattern, pick, start);
         }
         if self.is(Role::To) {
             self.at += 1;
-            self.deeper(Self::party);
+            self.nested(Self::noun_phrase);
             let message = "nearer to one thing than to another cannot be asked, not used".into();
             self.report(IssueKind::NotInGraph, start, self.at, message);
             return true;
@@ -96,7 +96,7 @@ impl Parser<'_> {
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
             return self.beyond(pattern, measured, order, metres, start);
         }
-        let Some(than) = self.deeper(Self::party) else {
+        let Some(than) = self.nested(Self::noun_phrase) else {
             self.report(
                 IssueKind::MisplacedWord,
                 start,
@@ -131,8 +131,8 @@ impl Parser<'_> {
             Order::Most => Interval { min: limit, max: None },
         };
         let place = Place::Metres(metres);
-        self.take(Role::Side);
-        match self.told_from().filter(|from| from.category != Category::Robot) {
+        self.eat(Role::Side);
+        match self.distance_reference().filter(|from| from.category != Category::Robot) {
             None => pattern.conditions.push(Condition::FromRobot(place)),
             Some(from) => {
                 let kind = RelationKind::Placed { place, viewpoint: Viewpoint::Partner };
@@ -155,9 +155,9 @@ impl Parser<'_> {
 
     /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
     /// "the tallest".
-    pub(crate) fn behind_noun(&mut self, thing: &mut Thing) {
+    pub(crate) fn after_noun(&mut self, thing: &mut NounGroup) {
         if thing.pattern.pick.is_some() {
-            self.behind_choice(thing);
+            self.after_superlative(thing);
         }
         let Some((rank, at)) = thing.rank.take() else { return };
         let count = thing.count.take().map_or(1, |(count, _)| count);
@@ -180,22 +180,22 @@ impl Parser<'_> {
         }
     }
 
-    fn behind_choice(&mut self, thing: &mut Thing) {
+    fn after_superlative(&mut self, thing: &mut NounGroup) {
         if self.is(Role::Of) && !self.is(Role::Sector) {
-            let mark = self.mark();
+            let checkpoint = self.checkpoint();
             self.at += 1;
-            match self.deeper(Self::thing) {
+            match self.nested(Self::noun_group) {
                 Some(all) if all.pattern.pick.is_none() => {
                     thing.pattern.category = all.pattern.category;
                     thing.pattern.conditions.extend(all.pattern.conditions);
                 }
-                _ => self.reset(mark),
+                _ => self.rewind(checkpoint),
             }
         }
         let Some(pick) = &mut thing.pattern.pick else { return };
         let is_default = |p: &Pattern| p.category == Category::Robot;
         if matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from))
-            && let Some(from) = self.told_from()
+            && let Some(from) = self.distance_reference()
         {
             pick.measure = Measure::DistanceTo(Box::new(from));
         }

@@ -9,41 +9,41 @@ use crate::parser::Parser;
 impl Parser<'_> {
     /// Reads "during 0 to 3 seconds" into the slot at hand.
     pub(crate) fn during(&mut self) -> bool {
-        let mark = self.mark();
-        let span = self.take(Role::During).then(|| self.seconds()).flatten();
+        let checkpoint = self.checkpoint();
+        let span = self.eat(Role::During).then(|| self.seconds()).flatten();
         match span {
             Some(span) => {
                 (self.during, self.is_timed) = (Some(span), true);
                 true
             }
             None => {
-                self.reset(mark);
+                self.rewind(checkpoint);
                 false
             }
         }
     }
 
     fn seconds(&mut self) -> Option<[f64; 2]> {
-        self.skip(Roles::of(&[Role::The, Role::Between, Role::Seconds]));
+        self.skip_while(Roles::of(&[Role::The, Role::Between, Role::Seconds]));
         let from = self.number()?;
-        self.take(Role::Seconds);
-        if !(self.take(Role::To) || self.take(Role::Dash) || self.take(Role::And)) {
+        self.eat(Role::Seconds);
+        if !(self.eat(Role::To) || self.eat(Role::Dash) || self.eat(Role::And)) {
             return None;
         }
         let to = self.number()?;
-        self.take(Role::Seconds);
+        self.eat(Role::Seconds);
         Some([from, to])
     }
 
     /// Whether "and then" or ", then" is at hand.
     pub(crate) fn is_then(&self) -> bool {
         let joints = Roles::of(&[Role::Comma, Role::And]);
-        self.is_at(self.after(self.at, joints), Role::Then)
+        self.is_at(self.next_not_in(self.at, joints), Role::Then)
     }
 
     /// Steps over "and then" and closes the slot of the conditions from `head` on.
     pub(crate) fn then(&mut self, pattern: &mut Pattern, head: usize) {
-        self.skip(Roles::of(&[Role::Comma, Role::And, Role::Then]));
+        self.skip_while(Roles::of(&[Role::Comma, Role::And, Role::Then]));
         self.is_timed = true;
         self.close_slot(pattern, head);
     }

@@ -8,23 +8,23 @@ use crate::grammar::question::COPULA;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{identify, related};
-use crate::phrase::{Target, Thing};
+use crate::phrase::{NounGroup, Target};
 
 impl Parser<'_> {
     /// "how far is the man", "which direction is he in".
     pub(crate) fn how(&mut self) -> (Task, Pattern) {
         let properties: Vec<Property> = self.entry().asks.into_iter().collect();
         self.at += 1;
-        self.skip(Roles::of(&[Role::Side, Role::To, Role::Of, Role::Filler]));
-        self.skip(COPULA);
-        let thing = self.target_thing();
+        self.skip_while(Roles::of(&[Role::Side, Role::To, Role::Of, Role::Filler]));
+        self.skip_while(COPULA);
+        let thing = self.target_noun_group();
         if properties == [Property::Distance] {
             self.far_from();
         }
-        self.drop_stranded();
+        self.drop_stranded_preposition();
         let mut thing = thing;
-        let is_deed = self.roles().has_any(Roles::of(&[Role::Action, Role::Deed]));
-        if thing.pattern.pick.is_some() && is_deed {
+        let is_activity = self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]));
+        if thing.pattern.pick.is_some() && is_activity {
             identify(&mut thing.pattern);
         }
         let target = self.finish(thing);
@@ -33,11 +33,11 @@ impl Parser<'_> {
 
     /// "from the table" behind "how far is the man": only distances from the robot are told.
     fn far_from(&mut self) {
-        self.skip(Roles::of(&[Role::Side]));
+        self.skip_while(Roles::of(&[Role::Side]));
         let start = self.at;
         let to = self.is(Role::To) || self.is_at(self.at.wrapping_sub(1), Role::To);
         self.at += usize::from(self.is(Role::To));
-        let from = if to { self.party() } else { None };
+        let from = if to { self.noun_phrase() } else { None };
         if from.is_some_and(|from| from.category != Category::Robot) {
             let message = "only distances from the robot are told, this is not used".into();
             self.report(IssueKind::NotInGraph, start, self.at, message);
@@ -45,12 +45,12 @@ impl Parser<'_> {
     }
 
     /// Takes "in" off the end of "which direction is the man in": it belongs to the question word.
-    fn drop_stranded(&mut self) -> bool {
+    fn drop_stranded_preposition(&mut self) -> bool {
         const STRANDED: Roles = Roles::of(&[Role::At, Role::To, Role::With]);
         let last = self.tokens.len().wrapping_sub(1);
         let found = last > self.at.wrapping_sub(1)
             && self.roles_at(last).has_any(STRANDED)
-            && !self.roles_at(last).has(Role::Deed);
+            && !self.roles_at(last).has(Role::Interaction);
         if found {
             self.drop_last();
         }
@@ -61,30 +61,30 @@ impl Parser<'_> {
         let is_what = self.is(Role::What);
         self.at += 1;
         let is_of = self.is(Role::Of);
-        self.skip(Roles::of(&[Role::Of, Role::Filler]));
-        while self.lacks() {}
+        self.skip_while(Roles::of(&[Role::Of, Role::Filler]));
+        while self.eat_unsupported() {}
         if self.is(Role::Asks) {
             return self.properties();
         }
         if self.roles().has_any(Roles::of(&[Role::Is, Role::Doing])) && !self.is(Role::Not) {
-            self.skip(COPULA);
-            let next = self.after(self.at, Roles::of(&[Role::The]));
+            self.skip_while(COPULA);
+            let next = self.next_not_in(self.at, Roles::of(&[Role::The]));
             if self.is_at(next, Role::Asks) {
                 return self.properties();
             }
             if self.roles().has_any(Roles::of(&[Role::Where, Role::Count])) {
-                return self.deeper(Self::asked);
+                return self.nested(Self::question_form);
             }
             if is_what && !self.is(Role::Superlative) {
-                if let Some(thing) = self.thing() {
+                if let Some(thing) = self.noun_group() {
                     return self.what_is(thing);
                 }
                 if self.is(Role::Him) {
-                    let thing = self.target_thing();
+                    let thing = self.target_noun_group();
                     return self.what_is(thing);
                 }
             }
-        } else if let Some(mut thing) = self.thing() {
+        } else if let Some(mut thing) = self.noun_group() {
             // "Of the two men" tells how many there are, not how many are chosen.
             let among = thing.count.take_if(|_| is_of);
             let target = self.finish(thing);
@@ -95,12 +95,12 @@ impl Parser<'_> {
             return (Task::Find, target.pattern);
         }
         let category = if is_what { Category::Anything } else { Category::Person };
-        let thing = Thing { pattern: Pattern::of(category), ..Thing::default() };
+        let thing = NounGroup { pattern: Pattern::of(category), ..NounGroup::default() };
         (Task::Find, self.finish(thing).pattern)
     }
 
     /// "what is the man doing", "what is the man holding", "what is the object near the door".
-    fn what_is(&mut self, thing: Thing) -> (Task, Pattern) {
+    fn what_is(&mut self, thing: NounGroup) -> (Task, Pattern) {
         if self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Asks) {
             self.at += 1;
             let (properties, in_order) = self.property_list();
@@ -111,13 +111,13 @@ impl Parser<'_> {
             self.drop_last();
             self.asks_doing = true;
         }
-        let label = self.last_deed();
-        let is_stranded = self.drop_stranded();
+        let label = self.last_interaction();
+        let is_stranded = self.drop_stranded_preposition();
         let mut pattern = self.finish(thing).pattern;
         if label.is_some() && pattern.pick.is_some() {
             identify(&mut pattern);
         }
-        let is_deed = label.is_some();
+        let is_activity = label.is_some();
         if let Some(label) = label {
             let kinds = vec![RelationKind::Interaction(label.clone())];
             let object = Pattern::of(Category::Object);
@@ -125,7 +125,7 @@ impl Parser<'_> {
         }
         let property = match pattern.category {
             _ if self.asks_doing => Property::Action,
-            _ if is_deed => Property::ObjectInteraction,
+            _ if is_activity => Property::ObjectInteraction,
             Category::Person if is_stranded => Property::ObjectsAround,
             Category::Person => Property::Action,
             _ => Property::Category,
@@ -134,7 +134,7 @@ impl Parser<'_> {
     }
 
     /// Takes "holding" off the end of "what is the man next to the door holding": it is the man's.
-    fn last_deed(&mut self) -> Option<&'static String> {
+    fn last_interaction(&mut self) -> Option<&'static String> {
         let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.object.as_ref()?;
         self.drop_last();
@@ -142,7 +142,7 @@ impl Parser<'_> {
     }
 
     /// Takes "talking" off the end of "who is the man talking".
-    fn last_done_together(&mut self) -> Option<&'static String> {
+    fn last_people_interaction(&mut self) -> Option<&'static String> {
         let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.people.as_ref()?;
         self.drop_last();
@@ -151,30 +151,30 @@ impl Parser<'_> {
 
     /// "the genders, ages and actions of the persons who are sitting", "gender is the man".
     pub(crate) fn properties(&mut self) -> (Task, Pattern) {
-        self.skip(Roles::of(&[Role::The]));
+        self.skip_while(Roles::of(&[Role::The]));
         let (properties, in_order) = self.property_list();
         let is_place = matches!(properties[..], [Property::Distance | Property::Direction]);
-        self.skip(Roles::of(&[Role::Of, Role::At]));
+        self.skip_while(Roles::of(&[Role::Of, Role::At]));
         if is_place {
-            self.told_to();
+            self.distance_endpoints();
         }
-        self.skip(COPULA);
-        self.drop_stranded();
-        let thing = self.target_thing();
+        self.skip_while(COPULA);
+        self.drop_stranded_preposition();
+        let thing = self.target_noun_group();
         let target = self.finish(thing);
         (Task::Which { properties, in_order }, target.pattern)
     }
 
     /// "to the man", "from me to the man", "between the man and the door" behind "the distance".
-    fn told_to(&mut self) {
+    fn distance_endpoints(&mut self) {
         let start = self.at;
-        while self.take(Role::To) {
+        while self.eat(Role::To) {
             if self.robot().is_none() {
                 return;
             }
         }
-        if self.take(Role::Between) {
-            if self.robot().is_some() && self.take(Role::And) {
+        if self.eat(Role::Between) {
+            if self.robot().is_some() && self.eat(Role::And) {
                 return;
             }
             let message = "only distances from the robot are told, not between two things".into();
@@ -187,36 +187,37 @@ impl Parser<'_> {
         while let Some(property) = self.entry().asks {
             properties.push(property);
             self.at += 1;
-            if self.take(Role::Relative) {
-                self.take(Role::To);
+            if self.eat(Role::Relative) {
+                self.eat(Role::To);
                 self.robot();
             }
-            let next = self.after(self.at, Roles::of(&[Role::Comma, Role::And, Role::The]));
+            let next = self.next_not_in(self.at, Roles::of(&[Role::Comma, Role::And, Role::The]));
             if self.is_at(next, Role::Asks) {
                 self.at = next;
             }
         }
-        (properties, self.take(Role::Order))
+        (properties, self.eat(Role::Order))
     }
 
     pub(crate) fn who(&mut self) -> (Task, Pattern) {
         self.at += 1;
         let had_is = self.is(Role::Is) && !self.is(Role::Not);
         if had_is {
-            self.skip(COPULA);
+            self.skip_while(COPULA);
         }
         if self.is_end() || had_is && self.sees() {
             return (Task::Find, Pattern::default());
         }
         let thing = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
-            self.thing()
+            self.noun_group()
         } else {
             None
         };
-        let Some(thing) = thing.filter(|_| !self.is_told_of_him(self.at)) else {
+        let Some(thing) = thing.filter(|_| !self.is_located_by_his_at(self.at)) else {
             return self.who_does();
         };
-        let done = if self.drop_stranded() { self.last_done_together() } else { None };
+        let done =
+            if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
         let mut target = self.finish(thing);
         if let Some(label) = done {
             // "who is the man talking to": somebody who does it with him.
@@ -238,6 +239,6 @@ impl Parser<'_> {
 
     /// "who is sitting", "who has a bag".
     fn who_does(&mut self) -> (Task, Pattern) {
-        (Task::Find, self.finish(Thing::default()).pattern)
+        (Task::Find, self.finish(NounGroup::default()).pattern)
     }
 }

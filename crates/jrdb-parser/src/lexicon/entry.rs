@@ -13,7 +13,7 @@ pub(crate) struct Entry {
     /// What kind of thing it names.
     pub(crate) category: Option<Category>,
     /// What it says of the thing it names or stands with.
-    pub(crate) says: Vec<Condition>,
+    pub(crate) implies: Vec<Condition>,
     /// What holds between the subject and the thing behind it.
     pub(crate) relation: Option<RelationKind>,
     /// What holds besides, with the same thing.
@@ -31,7 +31,7 @@ pub(crate) struct Entry {
     pub(crate) unit: Option<f64>,
     pub(crate) order: Option<(Measured, Order)>,
     pub(crate) asks: Option<Property>,
-    pub(crate) lacks: Option<String>,
+    pub(crate) unsupported: Option<String>,
     pub(crate) color: Option<Color>,
     pub(crate) garment: Option<Garment>,
 }

@@ -48,23 +48,23 @@ fn is_plural(noun: &str) -> bool {
     has_s || ["men", "people", "folk", "children"].iter().any(|end| noun.ends_with(end))
 }
 
-/// Adds one meaning, such as `says walking`; none when it is not one.
+/// Adds one meaning, such as `implies walking`; none when it is not one.
 fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
     let (kind, value) = meaning.split_once(' ')?;
     let role = match kind {
         "thing" => {
             let pattern = pattern(value)?;
             entry.category = Some(pattern.category);
-            entry.says.extend(pattern.conditions);
+            entry.implies.extend(pattern.conditions);
             Role::Noun
         }
-        "says" => {
+        "implies" => {
             let condition = condition(value)?;
             if is_action(&condition) {
                 entry.roles.insert(Role::Action);
             }
-            entry.says.push(condition);
-            Role::Says
+            entry.implies.push(condition);
+            Role::Implies
         }
         "relation" => {
             let Condition::Related(mut related) = condition(&format!("{value}: person"))? else {
@@ -74,8 +74,8 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
             entry.relation = related.kinds.pop();
             Role::Relation
         }
-        "people" => put(&mut entry.people, Some(value.to_owned()), Role::Deed)?,
-        "object" => put(&mut entry.object, Some(value.to_owned()), Role::Deed)?,
+        "people" => put(&mut entry.people, Some(value.to_owned()), Role::Interaction)?,
+        "object" => put(&mut entry.object, Some(value.to_owned()), Role::Interaction)?,
         "distance" => put(&mut entry.distance, DistanceWord::from_word(value), Role::Far)?,
         "sector" => put(&mut entry.sector, Sector::from_word(value), Role::Sector)?,
         "elevation" => put(&mut entry.elevation, Elevation::from_word(value), Role::Sector)?,
@@ -88,7 +88,7 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
         "less" => put(&mut entry.order, order(value, Order::Least), Role::Comparative)?,
         "more" => put(&mut entry.order, order(value, Order::Most), Role::Comparative)?,
         "asks" => put(&mut entry.asks, property(value), Role::Asks)?,
-        "lacks" => put(&mut entry.lacks, Some(value.to_owned()), Role::Lacks)?,
+        "unsupported" => put(&mut entry.unsupported, Some(value.to_owned()), Role::Unsupported)?,
         "color" => put(&mut entry.color, Color::from_word(value), Role::Color)?,
         "garment" => put(&mut entry.garment, garment(value), Role::Garment)?,
         "word" => Role::from_word(value)?,
@@ -174,8 +174,8 @@ mod tests {
     fn a_line_at_fault_is_named() {
         for line in [
             "cat thing animal",
-            "counterintelligence -> word stranger",
-            "cat -> says tall",
+            "counterintelligence -> word common",
+            "cat -> implies tall",
             "cat -> word purr",
             "cat -> legs 4",
         ] {

@@ -30,13 +30,13 @@ roles! {
     /// Names a kind of thing.
     Noun = "(noun)",
     /// Says something of the thing spoken of.
-    Says = "(says)",
+    Implies = "(implies)",
     /// Says what a body does; such words also stand behind the noun.
     Action = "(action)",
     /// Takes a thing behind it and relates to it.
     Relation = "(relation)",
     /// Done with people, or with an object.
-    Deed = "(deed)",
+    Interaction = "(interaction)",
     /// A distance in words.
     Far = "(far)",
     /// A sector or an elevation.
@@ -52,7 +52,7 @@ roles! {
     /// Something a question can ask for.
     Asks = "(asks)",
     /// Something that no scene graph holds.
-    Lacks = "(lacks)",
+    Unsupported = "(unsupported)",
     /// A colour.
     Color = "(color)",
     /// A piece of clothing.
@@ -186,7 +186,7 @@ roles! {
     /// Names one thing, or is said of one.
     Singular = "singular",
     /// A common word that has no part in questions.
-    Stranger = "stranger",
+    Common = "common",
 }
 
 /// A set of roles.

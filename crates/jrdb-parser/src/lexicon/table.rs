@@ -121,7 +121,7 @@ impl Lexicon {
             |word: &str| &self.entries[usize::from(self.first[usize::from(self.word(word))].entry)];
         let (first, second) = (entry(first), entry(second));
         let both = [first, second]
-            .map(|e| (e.roles.of_meaning(), &e.category, &e.says, &e.object, &e.people));
+            .map(|e| (e.roles.of_meaning(), &e.category, &e.implies, &e.object, &e.people));
         both[0] == both[1] && first.category.is_some()
     }
 
