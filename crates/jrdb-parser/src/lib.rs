@@ -3,6 +3,7 @@
 mod config;
 mod explain;
 mod grammar;
+mod issues;
 mod lexicon;
 pub mod notation;
 mod parser;

@@ -116,7 +116,25 @@ pub(crate) struct LocationPhrase {
     pub(crate) reference: Reference,
 }
 
+/// How much of a location was read, to return to.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Extent {
+    pub(crate) places: usize,
+    bare_distance: Option<usize>,
+    sided: Option<usize>,
+}
+
 impl LocationPhrase {
+    pub(crate) fn extent(&self) -> Extent {
+        Extent { places: self.places.len(), bare_distance: self.bare_distance, sided: self.sided }
+    }
+
+    /// Drops what was read since; the reference is left to the caller.
+    pub(crate) fn cut_back(&mut self, extent: Extent) {
+        self.places.truncate(extent.places);
+        (self.bare_distance, self.sided) = (extent.bare_distance, extent.sided);
+    }
+
     pub(crate) fn push(&mut self, place: Place) -> bool {
         let has_room = self.places.len() < PLACES_MAX;
         if has_room {

@@ -46,7 +46,7 @@ impl Parser<'_> {
     /// Reads what is said of a thing into its conditions; returns how many of them are not said in the clauses.
     pub(crate) fn clauses(&mut self, pattern: &mut Pattern, scope: Scope) -> usize {
         let head = pattern.conditions.len();
-        let mut state = ClauseState {
+        let mut clause = ClauseState {
             scope,
             head,
             group: head,
@@ -56,14 +56,14 @@ impl Parser<'_> {
             is_alternative: false,
             is_clause: false,
             predicates: 0,
-            noun: self.last_noun,
+            noun: self.state.last_noun,
         };
-        while !self.is_end() && self.predicate_or_joint(pattern, &mut state) {}
-        state.head
+        while !self.is_end() && self.predicate_or_joint(pattern, &mut clause) {}
+        clause.head
     }
 
     /// One predicate or joint; false when what is at hand belongs to somebody else.
-    fn predicate_or_joint(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
+    fn predicate_or_joint(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         const JOINTS: Roles = Roles::of(&[
             Role::Comma,
             Role::And,
@@ -78,19 +78,19 @@ impl Parser<'_> {
             Role::Has,
         ]);
         let roles = self.roles();
-        let is_first = state.predicates == 0 && !state.is_clause;
+        let is_first = clause.predicates == 0 && !clause.is_clause;
         if is_first && roles.has_any(OTHERS) && self.object_relative(pattern) {
-            state.predicates += 1;
+            clause.predicates += 1;
             return true;
         }
         if roles.has_any(JOINTS)
-            && let Some(goes_on) = self.joint(pattern, state)
+            && let Some(goes_on) = self.joint(pattern, clause)
         {
             return goes_on;
         }
-        let (before, start) = (pattern.conditions.len(), self.at);
+        let (before, start) = (pattern.conditions.len(), self.state.at);
         let is_word = roles.has(Role::Implies);
-        let after = match (state.is_clause, state.scope) {
+        let after = match (clause.is_clause, clause.scope) {
             (true, _) => After::Verb,
             (false, Scope::Reduced) => After::Partner,
             (false, _) => After::Noun,
@@ -99,26 +99,26 @@ impl Parser<'_> {
             return false;
         }
         if self.predicate(pattern, after) {
-            state.predicates += 1;
-            if std::mem::take(&mut state.is_alternative) {
-                state.group = before;
+            clause.predicates += 1;
+            if std::mem::take(&mut clause.is_alternative) {
+                clause.group = before;
             }
-            if std::mem::take(&mut state.is_joined) {
+            if std::mem::take(&mut clause.is_joined) {
                 self.split_exclusive(pattern, before, start);
             }
             let is_single = is_word && pattern.conditions.len() == before + 1;
-            state.run = match state.run.filter(|_| state.is_listed && is_single) {
+            clause.run = match clause.run.filter(|_| clause.is_listed && is_single) {
                 None => is_single.then_some(before),
                 run => run,
             };
-            state.is_listed = false;
+            clause.is_listed = false;
             return true;
         }
-        if roles.has_any(GLUE) || state.scope == Scope::Top && roles.has(Role::Located) {
-            self.at += 1;
+        if roles.has_any(GLUE) || clause.scope == Scope::Top && roles.has(Role::Located) {
+            self.bump();
             return true;
         }
-        if state.scope == Scope::Top {
+        if clause.scope == Scope::Top {
             self.report_unused();
             return true;
         }
@@ -126,15 +126,15 @@ impl Parser<'_> {
     }
 
     /// Steps over a joint; none when the word at hand is none after all.
-    fn joint(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> Option<bool> {
-        let (roles, is_top) = (self.roles(), state.scope == Scope::Top);
+    fn joint(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> Option<bool> {
+        let (roles, is_top) = (self.roles(), clause.scope == Scope::Top);
         if roles.has_any(ENDS) {
             return Some(false);
         }
         if (roles.has_any(Roles::of(&[Role::Comma, Role::And, Role::Then]))) && self.is_then() {
             if is_top {
-                self.then(pattern, state.head);
-                (state.group, state.run) = (state.head, None);
+                self.then(pattern, clause.head);
+                (clause.group, clause.run) = (clause.head, None);
             }
             return Some(is_top);
         }
@@ -143,22 +143,23 @@ impl Parser<'_> {
         }
         if roles.has(Role::Comma) {
             // "men, women and children"; "which is taller, the man or the woman".
-            let is_list = is_top && (!state.is_clause || pattern.pick.is_some());
+            let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
             if is_list && self.is_thing_next() && !self.is_next_located_by_his() {
                 return Some(false);
             }
-            let goes_on = is_top || state.scope == Scope::Relative && self.is_list_of_words(state);
+            let goes_on =
+                is_top || clause.scope == Scope::Relative && self.is_list_of_words(clause);
             if goes_on {
-                (state.is_listed, state.group) = (true, pattern.conditions.len());
-                self.at += 1;
+                (clause.is_listed, clause.group) = (true, pattern.conditions.len());
+                self.bump();
             }
             return Some(goes_on);
         }
         if roles.has(Role::And) {
-            return Some(self.and(pattern, state));
+            return Some(self.and(pattern, clause));
         }
         if roles.has(Role::Or) {
-            return Some(self.or(pattern, state));
+            return Some(self.or(pattern, clause));
         }
         if roles.has(Role::Whose) {
             return Some(
@@ -169,13 +170,13 @@ impl Parser<'_> {
                     },
             );
         }
-        self.copula(pattern, state)
+        self.copula(pattern, clause)
     }
 
     /// Whether what is at hand is said of the thing that this one is a partner of.
     fn is_said_of_subject(&self, pattern: &Pattern) -> bool {
-        self.is_located_by_his_at(self.at)
-            || self.is_walk && self.is(Role::Towards)
+        self.is_located_by_his_at(self.state.at)
+            || self.state.is_walk && self.is(Role::Towards)
             || self.is_said_of_people_only(pattern)
     }
 
@@ -201,114 +202,115 @@ impl Parser<'_> {
             || is_other && (self.roles().has_any(OF_PEOPLE) || !is_pair)
     }
 
-    fn is_list_of_words(&self, state: &ClauseState) -> bool {
-        state.run.is_some() && self.is_at(self.at + 1, Role::Implies)
+    fn is_list_of_words(&self, clause: &ClauseState) -> bool {
+        clause.run.is_some() && self.is_at(self.state.at + 1, Role::Implies)
     }
 
     /// "who", "is", "has".
-    fn copula(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> Option<bool> {
+    fn copula(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> Option<bool> {
         let roles = self.roles();
         let is_who = roles.has(Role::Who);
-        if state.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern, state)) {
+        if clause.scope == Scope::Reduced && (!is_who || self.is_who_of_another(pattern, clause)) {
             return Some(false);
         }
-        let is_asked =
-            roles.has(Role::Is) && !(is_who || state.is_clause || self.at + 1 == self.tokens.len());
-        if is_asked && state.scope == Scope::Top && pattern.pick.is_some() {
+        let is_asked = roles.has(Role::Is)
+            && !(is_who || clause.is_clause || self.state.at + 1 == self.state.tokens.len());
+        if is_asked && clause.scope == Scope::Top && pattern.pick.is_some() {
             // "which of the two tallest is sitting": the two tallest of all, not of those who sit.
             identify(pattern);
-            state.head = pattern.conditions.len();
+            clause.head = pattern.conditions.len();
         }
-        if state.scope == Scope::Relative && state.predicates > 0 && !state.is_listed {
+        if clause.scope == Scope::Relative && clause.predicates > 0 && !clause.is_listed {
             return Some(false);
         }
         if roles.has(Role::Has) && !roles.has(Role::Is) {
-            state.is_clause = true;
+            clause.is_clause = true;
             return None;
         }
-        if state.scope == Scope::Reduced {
-            state.scope = Scope::Relative;
+        if clause.scope == Scope::Reduced {
+            clause.scope = Scope::Relative;
         }
-        (state.is_clause, state.group) = (true, pattern.conditions.len());
+        (clause.is_clause, clause.group) = (true, pattern.conditions.len());
         if roles.has(Role::Not) {
             return None;
         }
-        self.at += 1;
+        self.bump();
         Some(true)
     }
 
     /// "who" behind a table is said of somebody else, and so is "who are" behind a woman.
-    fn is_who_of_another(&self, pattern: &Pattern, state: &ClauseState) -> bool {
+    fn is_who_of_another(&self, pattern: &Pattern, clause: &ClauseState) -> bool {
         let roles = self.roles();
         let is_personal = !roles.has_any(Roles::of(&[Role::Which, Role::The]));
         let is_which = roles.has(Role::Which) && !roles.has(Role::The);
         let is_person = pattern.category == Category::Person;
-        let agrees = state.noun.is_none_or(|noun| agree(noun.roles, self.roles_at(self.at + 1)));
+        let agrees =
+            clause.noun.is_none_or(|noun| agree(noun.roles, self.roles_at(self.state.at + 1)));
         is_personal && !is_person || is_which && is_person || !agrees
     }
 
-    fn and(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
-        let begins_anew = self.is_at(self.at + 1, Role::Who) && state.scope != Scope::Top;
-        if state.scope == Scope::Reduced || begins_anew {
+    fn and(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
+        let begins_anew = self.is_at(self.state.at + 1, Role::Who) && clause.scope != Scope::Top;
+        if clause.scope == Scope::Reduced || begins_anew {
             return false;
         }
         if self.is(Role::But) && self.is_thing_next() {
             return self.except(pattern);
         }
-        if self.is_thing_next() && !(state.is_clause && self.is_next_located_by_his()) {
+        if self.is_thing_next() && !(clause.is_clause && self.is_next_located_by_his()) {
             return false;
         }
         let checkpoint = self.checkpoint();
-        self.at += 1;
-        (state.group, state.is_listed) = (pattern.conditions.len(), state.run.is_some());
-        state.is_joined = true;
-        if state.scope == Scope::Relative {
+        self.bump();
+        (clause.group, clause.is_listed) = (pattern.conditions.len(), clause.run.is_some());
+        clause.is_joined = true;
+        if clause.scope == Scope::Relative {
             self.skip_while(Roles::of(&[Role::Is, Role::Filler]));
             if !self.predicate(pattern, After::Verb) {
                 self.rewind(checkpoint);
                 return false;
             }
-            state.run = None;
+            clause.run = None;
         }
         true
     }
 
-    fn or(&mut self, pattern: &mut Pattern, state: &mut ClauseState) -> bool {
+    fn or(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         let length = pattern.conditions.len();
-        let is_word =
-            self.is_at(self.at + 1, Role::Implies) && !self.is_at(self.at + 1, Role::Noun);
-        if let Some(run) = state.run.filter(|_| is_word) {
-            self.at += 1;
+        let is_word = self.is_at(self.state.at + 1, Role::Implies)
+            && !self.is_at(self.state.at + 1, Role::Noun);
+        if let Some(run) = clause.run.filter(|_| is_word) {
+            self.bump();
             self.word_alternative(pattern);
             let parts = split_from(&mut pattern.conditions, run);
             pattern.conditions.push(any_of(parts));
             return true;
         }
-        if state.scope == Scope::Reduced || self.is_thing_next() || length == state.group {
-            let is_lost = state.scope == Scope::Top && !self.is_thing_next();
+        if clause.scope == Scope::Reduced || self.is_thing_next() || length == clause.group {
+            let is_lost = clause.scope == Scope::Top && !self.is_thing_next();
             if is_lost {
                 self.report_unused();
             }
             return is_lost;
         }
         let checkpoint = self.checkpoint();
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Who, Role::Is, Role::Filler, Role::Either]));
         if !self.nested(|parser| parser.predicates(pattern)) {
             self.rewind(checkpoint);
-            if state.scope == Scope::Top {
+            if clause.scope == Scope::Top {
                 self.report_unused();
             }
-            return state.scope == Scope::Top;
+            return clause.scope == Scope::Top;
         }
         if pattern.conditions.len() == length {
             // Nothing of the alternative is known, and that is reported.
             return true;
         }
         let second = all_of(split_from(&mut pattern.conditions, length));
-        let first = all_of(split_from(&mut pattern.conditions, state.group));
+        let first = all_of(split_from(&mut pattern.conditions, clause.group));
         pattern.conditions.push(any_of(vec![first, second]));
-        (state.run, state.is_alternative) = (None, true);
+        (clause.run, clause.is_alternative) = (None, true);
         true
     }
 
@@ -326,7 +328,7 @@ impl Parser<'_> {
             let parts = split_from(conditions, before.saturating_sub(1));
             conditions.push(any_of(parts));
             let message = "nothing is both; read as one or the other".into();
-            self.report(IssueKind::Ambiguous, start, self.at, message);
+            self.report(IssueKind::Ambiguous, start, self.state.at, message);
         }
     }
 }

@@ -27,14 +27,14 @@ impl Parser<'_> {
     /// Reads what is said of the colours of the subject's clothes. A colour of any other thing is left for others to read.
     pub(crate) fn clothes(&mut self, pattern: &mut Pattern) -> bool {
         let is_worn = self.entry().object.as_deref() == Some("wearing");
-        let is_in = self.is(Role::At) && self.word(self.at).eq_ignore_ascii_case("in");
+        let is_in = self.is(Role::At) && self.word(self.state.at).eq_ignore_ascii_case("in");
         let is_had = self.roles().has_any(Roles::of(&[Role::With, Role::Has, Role::Without]));
         if !is_worn && !is_in && !is_had {
             return false;
         }
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         let is_without = self.is(Role::Without);
-        self.at += 1;
+        self.bump();
         // "With red" is no clothes, "in red" and "wearing red" are.
         if !self.garment(pattern, !is_had) {
             self.rewind(checkpoint);
@@ -61,9 +61,9 @@ impl Parser<'_> {
 
     /// "shirt is red" behind "whose".
     pub(crate) fn whose_clothes(&mut self, pattern: &mut Pattern) -> bool {
-        let (checkpoint, at) = (self.checkpoint(), self.at);
+        let (checkpoint, at) = (self.checkpoint(), self.state.at);
         let garment = self.entry().garment.filter(|_| self.is_at(at + 1, Role::Is));
-        self.at += 2;
+        self.state.at += 2;
         let is_not = self.is_at(at + 1, Role::Not) || self.eat(Role::Not);
         let (colors, _) = self.colors();
         let Some(garment) = garment.filter(|_| !colors.is_empty()) else {
@@ -84,23 +84,23 @@ impl Parser<'_> {
         if !self.is(Role::Color) || !self.is(Role::Implies) {
             return false;
         }
-        let next = self.next_not_in(self.at + 1, BEFORE_NOUN);
+        let next = self.next_not_in(self.state.at + 1, BEFORE_NOUN);
         let is_person =
             |category: &Category| matches!(category, Category::Person | Category::Anything);
         if self.entry_at(next).category.as_ref().is_none_or(is_person) {
             return false;
         }
         let message = "colours of things are not known here, not used".into();
-        self.report(IssueKind::NotInGraph, self.at, self.at + 1, message);
-        self.at += 1;
+        self.report(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
+        self.bump();
         true
     }
 
     /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where it `may_be_bare`.
     fn garment(&mut self, pattern: &mut Pattern, may_be_bare: bool) -> bool {
-        let (checkpoint, start) = (self.checkpoint(), self.at);
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
         self.skip_while(ARTICLES);
-        let is_bare = self.at == start && may_be_bare;
+        let is_bare = self.state.at == start && may_be_bare;
         let is_colored = self.skip_unknown_before(Role::Color);
         let (colors, is_and) = self.colors();
         let is_named = is_colored && self.skip_unknown_before(Role::Garment);
@@ -110,8 +110,8 @@ impl Parser<'_> {
             return false;
         }
         if let Some(garment) = garment {
-            self.report_garment(garment, start, self.at);
-            self.at += 1;
+            self.report_garment(garment, start, self.state.at);
+            self.bump();
         }
         let worn = colors.into_iter().map(|color| worn(garment.unwrap_or(Garment::Any), color));
         if is_and && garment.is_none() {
@@ -125,12 +125,12 @@ impl Parser<'_> {
 
     /// Steps over a few words that nobody knows before one of a role, and reports them; whether there is one.
     fn skip_unknown_before(&mut self, role: Role) -> bool {
-        let found = (self.at..=self.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
+        let found = (self.state.at..=self.state.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
         let Some(found) = found else { return false };
-        let are_unknown = (self.at..found).all(|at| {
+        let are_unknown = (self.state.at..found).all(|at| {
             self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common]))
         });
-        while are_unknown && self.at < found {
+        while are_unknown && self.state.at < found {
             self.report_unused();
         }
         are_unknown
@@ -141,13 +141,13 @@ impl Parser<'_> {
         let (mut colors, mut is_and) = (Vec::new(), false);
         while let Some(color) = self.entry().color {
             colors.push(color);
-            self.at += 1;
-            let next = self.next_not_in(self.at, JOINTS);
+            self.bump();
+            let next = self.next_not_in(self.state.at, JOINTS);
             if !self.is_at(next, Role::Color) {
                 break;
             }
             is_and |= self.is(Role::And);
-            self.at = next;
+            self.state.at = next;
         }
         (colors, is_and)
     }

@@ -1,5 +1,7 @@
 //! Several things of one role: "the door and the table", "the tallest man or the woman next to him".
 
+use std::rc::Rc;
+
 use jrdb_types::query::Category;
 use jrdb_types::{Condition, Pattern};
 
@@ -23,7 +25,7 @@ impl Parser<'_> {
         if let Some(pattern) = self.robot() {
             return Some(Partner { pattern, ..Partner::default() });
         }
-        if self.is(Role::Him) && !self.is_noun_ahead(self.at + 1) {
+        if self.is(Role::Him) && !self.is_noun_ahead(self.state.at + 1) {
             return self.pronoun().map(|pattern| Partner { pattern, ..Partner::default() });
         }
         let Some(thing) = self.noun_group() else { return self.unknown_noun() };
@@ -34,14 +36,14 @@ impl Parser<'_> {
 
     /// "me", "the robot", "me (the robot)".
     pub(crate) fn robot(&mut self) -> Option<Pattern> {
-        let next = self.next_not_in(self.at, Roles::of(&[Role::The]));
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
         if !self.is_at(next, Role::Robot) {
             return None;
         }
-        self.at = next + 1;
-        let again = self.next_not_in(self.at, Roles::of(&[Role::The]));
+        self.state.at = next + 1;
+        let again = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
         if self.is_at(again, Role::Robot) {
-            self.at = again + 1;
+            self.state.at = again + 1;
         }
         Some(Pattern::of(Category::Robot))
     }
@@ -49,17 +51,17 @@ impl Parser<'_> {
     /// Steps over the robot where nobody is named with it: the most common anchor.
     pub(crate) fn eat_robot_alone(&mut self) -> bool {
         const JOINTS: Roles = Roles::of(&[Role::And, Role::Or]);
-        let checkpoint = self.checkpoint();
+        let start = self.state.at;
         let found = self.robot().is_some() && !self.roles().has_any(JOINTS);
         if !found {
-            self.rewind(checkpoint);
+            self.state.at = start;
         }
         found
     }
 
     /// What "him" means: the last thing spoken of.
     pub(crate) fn pronoun(&mut self) -> Option<Pattern> {
-        let at = self.at;
+        let at = self.state.at;
         self.eat_pronoun();
         let found = self.antecedent_at(at);
         if found.is_none() {
@@ -67,14 +69,14 @@ impl Parser<'_> {
                 "nobody was spoken of before that {:?} can mean; read as anybody",
                 self.word(at)
             );
-            self.report(jrdb_types::IssueKind::Ambiguous, at, self.at, message);
+            self.report(jrdb_types::IssueKind::Ambiguous, at, self.state.at, message);
         }
         Some(found.unwrap_or_default())
     }
 
     /// The thing that the pronoun at a place stands for: "it" is no person.
     pub(crate) fn antecedent_at(&self, at: usize) -> Option<Pattern> {
-        let antecedent = self.antecedent.as_ref()?;
+        let antecedent = self.state.antecedent.as_deref()?;
         if !self.is_at(at, Role::It) || antecedent.category != Category::Person {
             return Some(antecedent.clone());
         }
@@ -90,9 +92,9 @@ impl Parser<'_> {
     /// Steps over "his", "his\her", "him".
     pub(crate) fn eat_pronoun(&mut self) {
         const HIS: Roles = Roles::of(&[Role::His, Role::Him]);
-        self.at += 1;
-        while self.is(Role::Slash) && self.roles_at(self.at + 1).has_any(HIS) {
-            self.at += 2;
+        self.bump();
+        while self.is(Role::Slash) && self.roles_at(self.state.at + 1).has_any(HIS) {
+            self.state.at += 2;
         }
     }
 
@@ -100,11 +102,11 @@ impl Parser<'_> {
     fn unknown_noun(&mut self) -> Option<Partner> {
         const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
         const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Unsupported]);
-        let next = self.next_not_in(self.at, ARTICLES);
+        let next = self.next_not_in(self.state.at, ARTICLES);
         if !self.roles_at(next).has_any(STRANGE) {
             return None;
         }
-        self.at = next;
+        self.state.at = next;
         self.report_unknown_noun();
         let pattern = Pattern::of(Category::Anything);
         Some(Partner { pattern, ..Partner::default() })
@@ -123,7 +125,7 @@ impl Parser<'_> {
 
     /// One partner or several, each of which must be one: "the door and the table". Alternatives are one partner.
     pub(crate) fn partners(&mut self) -> Vec<Partner> {
-        let start = self.at;
+        let start = self.state.at;
         self.eat(Role::Either);
         let mut partners: Vec<Partner> = self.nested(Self::partner).into_iter().collect();
         let mut alternatives: Vec<Pattern> = Vec::new();
@@ -132,17 +134,17 @@ impl Parser<'_> {
             if !is_or && !self.is(Role::And) || !self.is_more(&last.pattern) {
                 break;
             }
-            self.at += 1;
-            let pronoun = self.has_pronouns.then(|| truncated_antecedent(&last.pattern));
+            self.bump();
+            let pronoun = self.has_pronouns.then(|| Rc::new(truncated_antecedent(&last.pattern)));
             if is_or {
                 alternatives.push(std::mem::take(&mut last.pattern));
             } else if !alternatives.is_empty() {
                 alternatives.push(std::mem::take(&mut last.pattern));
                 last.pattern = either(std::mem::take(&mut alternatives));
             }
-            let outer = std::mem::replace(&mut self.antecedent, pronoun);
+            let outer = std::mem::replace(&mut self.state.antecedent, pronoun);
             let next = self.nested(Self::partner);
-            self.antecedent = outer;
+            self.state.antecedent = outer;
             match (next, partners.last_mut()) {
                 (Some(next), Some(last)) if is_or => last.pattern = next.pattern,
                 (Some(next), _) => partners.push(next),
@@ -157,24 +159,28 @@ impl Parser<'_> {
             alternatives.push(std::mem::take(&mut last.pattern));
             last.pattern = either(alternatives);
         }
+        if partners.is_empty() {
+            self.state.at = start;
+        }
         if partners.iter().any(|partner| partner.is_all) {
             let message = "one of them is enough; \"every\" cannot be asked here".into();
-            self.report(jrdb_types::IssueKind::Ambiguous, start, self.at, message);
+            self.report(jrdb_types::IssueKind::Ambiguous, start, self.state.at, message);
         }
         partners
     }
 
     /// Whether the word behind "and" begins another thing of the same sort, that nothing else claims.
     fn is_more(&self, last: &Pattern) -> bool {
-        let next = self.next_not_in(self.at + 1, Roles::of(&[Role::The, Role::A]));
+        let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::The, Role::A]));
         let is_robot = self.is_at(next, Role::Robot);
-        let has_article = next > self.at + 1;
+        let has_article = next > self.state.at + 1;
         let Some(noun) = self.noun_at(next) else { return is_robot };
         let category = self.entry_at(noun).category.as_ref();
         let is_person = |category: &Category| *category == Category::Person;
         let is_same = category.is_none_or(|c| is_person(c) == is_person(&last.category));
         let is_robots = last.category == Category::Robot;
-        let is_list = self.is_at(next, Role::Implies) && self.is_at(self.at - 1, Role::Plural);
+        let is_list =
+            self.is_at(next, Role::Implies) && self.is_at(self.state.at - 1, Role::Plural);
         let is_bare = has_article || noun == next || is_list;
         is_bare && (is_same || is_robots) && !self.is_next_located_by_his()
     }
@@ -195,7 +201,7 @@ impl Parser<'_> {
 
     /// Whether a thing with an article begins behind the joint at hand.
     pub(crate) fn is_thing_next(&self) -> bool {
-        let start = self.at + 1;
+        let start = self.state.at + 1;
         let next = self.next_not_in(
             start,
             Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]),
@@ -216,7 +222,7 @@ impl Parser<'_> {
             Role::Filler,
             Role::Noun,
         ]);
-        let next = self.next_not_in(self.at + 1, LIST);
+        let next = self.next_not_in(self.state.at + 1, LIST);
         self.is_located_by_his_at(next)
     }
 }

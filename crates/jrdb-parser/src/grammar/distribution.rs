@@ -42,7 +42,7 @@ impl Parser<'_> {
                 }
                 return either(patterns(parts));
             }
-            Sharing::Together => self.subjects = Some(parts.len()),
+            Sharing::Together => self.state.subjects = u32::try_from(parts.len()).ok(),
             Sharing::All | Sharing::PerhapsAll => {}
         }
         let mut all = either(patterns(parts));
@@ -53,8 +53,8 @@ impl Parser<'_> {
     /// "is there a man and a woman": no one thing is both.
     fn ask_together(&mut self, parts: &[Part]) {
         let is_and = parts.len() > 1 && parts[1..].iter().all(|part| part.is_joined);
-        if is_and && self.asks_several {
-            self.subjects = Some(parts.len());
+        if is_and && self.state.asks_several {
+            self.state.subjects = u32::try_from(parts.len()).ok();
             self.report_sharing(&Sharing::Together, parts);
         }
     }
@@ -89,7 +89,7 @@ impl Parser<'_> {
         }
         let is_plural = self.is_at(last.told, Role::Who) && self.is_at(last.told + 1, Role::Plural);
         let is_bare = !begins(last, DETERMINERS);
-        if is_and && self.asks_several {
+        if is_and && self.state.asks_several {
             return Sharing::Together;
         }
         if is_plural && is_singular(last) || is_bare {
@@ -113,8 +113,8 @@ impl Parser<'_> {
             }
         };
         let Some(last) = parts.last() else { return };
-        let told = if last.told < self.at { last.told } else { last.start };
-        self.report(IssueKind::Ambiguous, told, self.at, message.into());
+        let told = if last.told < self.state.at { last.told } else { last.start };
+        self.report(IssueKind::Ambiguous, told, self.state.at, message.into());
     }
 }
 

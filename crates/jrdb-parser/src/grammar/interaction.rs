@@ -15,20 +15,22 @@ impl Parser<'_> {
         if !self.has_pronouns || self.is(Role::Him) {
             return self.partners();
         }
-        let outer = self.antecedent.replace(truncated_antecedent(subject));
+        let outer = self.set_antecedent(subject);
         let partners = self.partners();
-        let last = partners.last().map(|partner| truncated_antecedent(&partner.pattern));
-        self.antecedent = last.or(outer);
+        match partners.last() {
+            Some(last) => drop(self.set_antecedent(&last.pattern)),
+            None => self.state.antecedent = outer,
+        }
         partners
     }
 
     /// What the subject does, alone or with others.
     pub(crate) fn activity(&mut self, pattern: &mut Pattern) -> bool {
-        let (entry, at) = (self.entry(), self.at);
+        let (entry, at) = (self.entry(), self.state.at);
         if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
             return false;
         }
-        self.at += 1;
+        self.bump();
         if let Some(label) = &entry.people
             && self.with_partners(pattern, entry, label)
         {
@@ -58,7 +60,7 @@ impl Parser<'_> {
 
     /// "walking with a woman", "talking to a man", "hugging each other".
     fn with_partners(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
-        let checkpoint = self.checkpoint();
+        let start = self.state.at;
         let is_plain = entry.roles.has(Role::Interaction) && entry.implies.is_empty();
         let has_with = self.eat(Role::With) || is_plain && self.eat(Role::To);
         if self.eat(Role::EachOther) {
@@ -67,12 +69,12 @@ impl Parser<'_> {
         }
         let is_direct = is_plain && !label.ends_with(" together");
         if !(has_with || is_direct) || !self.is_person_at_hand() {
-            self.rewind(checkpoint);
+            self.state.at = start;
             return false;
         }
-        let outer = std::mem::replace(&mut self.is_walk, !entry.implies.is_empty());
+        let outer = std::mem::replace(&mut self.state.is_walk, !entry.implies.is_empty());
         let partners = self.partners_of(pattern);
-        self.is_walk = outer;
+        self.state.is_walk = outer;
         for partner in partners {
             push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
         }
@@ -99,11 +101,11 @@ impl Parser<'_> {
             Role::My,
             Role::Limit,
         ]);
-        let mut at = self.at;
+        let mut at = self.state.at;
         let is_his = |at: usize| self.is_at(at, Role::His) && self.is_noun_ahead(at + 1);
         while self.roles_at(at).has_any(FIRST) && !self.is_at(at, Role::Noun) || is_his(at) {
             at += 1;
-            if at > self.at + 12 {
+            if at > self.state.at + 12 {
                 return false;
             }
         }
@@ -111,7 +113,7 @@ impl Parser<'_> {
         if self.is_at(at, Role::Robot) || self.is_at(at, Role::Him) && !is_noun(at + 1) {
             return true;
         }
-        let is_described = (self.at..at).any(|at| self.is_at(at, Role::Implies));
+        let is_described = (self.state.at..at).any(|at| self.is_at(at, Role::Implies));
         if is_described && !self.is_at(at, Role::Noun) {
             return true;
         }
@@ -142,11 +144,11 @@ impl Parser<'_> {
 
     fn is_object_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My, Role::No]);
-        let next = self.next_not_in(self.at, articles);
-        let has_article = next > self.at;
+        let next = self.next_not_in(self.state.at, articles);
+        let has_article = next > self.state.at;
         let it = self.is(Role::Him);
         it || has_article
-            || self.is_noun_ahead(self.at) && !self.is(Role::Unknown)
+            || self.is_noun_ahead(self.state.at) && !self.is(Role::Unknown)
             || self.is(Role::Limit)
     }
 
@@ -156,11 +158,11 @@ impl Parser<'_> {
         if entry.relation.is_none() || !entry.roles.has(Role::Relation) {
             return false;
         }
-        let start = self.at;
-        self.at += 1;
+        let start = self.state.at;
+        self.bump();
         let found = self.relation_partners(pattern, entry);
         if !found {
-            self.at = start;
+            self.state.at = start;
         }
         found
     }
@@ -170,7 +172,7 @@ impl Parser<'_> {
         let Some(kind) = &entry.relation else { return false };
         let is_mutual = *kind == RelationKind::Pair(PairWord::FacingEachOther);
         let is_away = matches!(kind, RelationKind::Placed { .. });
-        let checkpoint = self.checkpoint();
+        let start = self.state.at;
         if self.eat(Role::EachOther) {
             let mutual = each_other(kind, entry);
             push_related(pattern, vec![mutual], Pattern::default(), Quantity::SOME);
@@ -179,12 +181,12 @@ impl Parser<'_> {
         self.skip_while(Roles::of(&[Role::To, Role::With, Role::Filler]));
         if !entry.implies.is_empty() && self.is_side_at_hand() {
             // "walking to the right of the table" is a place, not where somebody goes.
-            self.rewind(checkpoint);
+            self.state.at = start;
             return false;
         }
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
-            self.rewind(checkpoint);
+            self.state.at = start;
             let alone = if is_mutual {
                 Pattern::default()
             } else if is_away || !entry.implies.is_empty() {
@@ -204,7 +206,7 @@ impl Parser<'_> {
     /// "the right", "his left".
     fn is_side_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
-        self.is_at(self.next_not_in(self.at, articles), Role::Sector)
+        self.is_at(self.next_not_in(self.state.at, articles), Role::Sector)
     }
 
     /// "between the man and the door", "between two adults".
@@ -218,7 +220,7 @@ impl Parser<'_> {
             2 => (ends.remove(0).pattern, ends.remove(0).pattern),
             1 if self.is(Role::And) => {
                 let first = ends.remove(0).pattern;
-                self.at += 1;
+                self.bump();
                 let mut rest = self.partners_of(pattern);
                 if rest.is_empty() {
                     self.rewind(checkpoint);
@@ -245,7 +247,7 @@ impl Parser<'_> {
         if !entry.roles.has(Role::Implies) {
             return false;
         }
-        self.at += 1;
+        self.bump();
         pattern.conditions.extend(entry.implies.iter().cloned());
         true
     }

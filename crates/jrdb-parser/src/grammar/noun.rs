@@ -86,7 +86,7 @@ impl Parser<'_> {
             return false;
         }
         let checkpoint = self.checkpoint();
-        thing.start = self.at;
+        thing.start = self.state.at;
         self.determiners(thing);
         let is_described = self.adjectives(thing);
         if self.noun(thing) || is_described {
@@ -108,38 +108,38 @@ impl Parser<'_> {
             if roles.has(Role::All) && !is_noun {
                 thing.is_all = true;
             } else if roles.has(Role::Number) && self.is_count() {
-                let at = self.at;
+                let at = self.state.at;
                 thing.count = self.whole().map(|count| (count, at));
-                let of_the = self.is(Role::Of) && self.is_at(self.at + 1, Role::The);
-                self.at += if of_the { 2 } else { 0 };
+                let of_the = self.is(Role::Of) && self.is_at(self.state.at + 1, Role::The);
+                self.state.at += if of_the { 2 } else { 0 };
                 if thing.count.is_none() {
                     return;
                 }
                 continue;
             } else if roles.has_any(Roles::of(&[Role::My, Role::His])) {
-                if !self.is_noun_ahead(self.at + 1) {
+                if !self.is_noun_ahead(self.state.at + 1) {
                     return;
                 }
             } else if !roles.has_any(ARTICLES) || is_noun || self.is_quantity_of_articles() {
                 return;
             }
-            self.at += 1;
+            self.bump();
         }
     }
 
     /// "those" without a noun.
     fn is_pronoun(&self) -> bool {
-        self.is(Role::One) && !self.is_noun_ahead(self.at + 1)
+        self.is(Role::One) && !self.is_noun_ahead(self.state.at + 1)
     }
 
     /// "some" of "some 3 people" limits a number.
     fn is_quantity_of_articles(&self) -> bool {
-        self.is(Role::Limit) && self.is_at(self.at + 1, Role::Number)
+        self.is(Role::Limit) && self.is_at(self.state.at + 1, Role::Number)
     }
 
     /// Whether the number at hand counts a noun that follows, and is neither "one" alone nor a length.
     fn is_count(&self) -> bool {
-        let next = self.next_not_in(self.at, Roles::of(&[Role::Number]));
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::Number]));
         let of_the = self.is_at(next, Role::Of) && self.is_at(next + 1, Role::The);
         let has_measure = self.is_at(next, Role::Unit) || self.is_at(next, Role::Clock);
         let is_suffixed = self.is_at(next, Role::Suffix);
@@ -164,13 +164,13 @@ impl Parser<'_> {
     fn adjectives(&mut self, thing: &mut NounGroup) -> bool {
         let (mut is_described, mut is_or) = (false, None);
         loop {
-            let separator = self.at;
+            let separator = self.state.at;
             if is_described {
                 is_or = self.adjective_joint();
             }
             let length = thing.pattern.conditions.len();
             if !self.adjective(thing) {
-                self.at = separator;
+                self.state.at = separator;
                 return is_described;
             }
             if let Some(is_or) = is_or.take().filter(|_| length > 0) {
@@ -185,7 +185,7 @@ impl Parser<'_> {
         let mut is_or = None;
         while self.roles().has_any(JOINTS) {
             is_or = Some(self.is(Role::Or) || is_or == Some(true));
-            self.at += 1;
+            self.bump();
         }
         is_or?;
         let implies_plainly = |at: usize| {
@@ -193,7 +193,8 @@ impl Parser<'_> {
                 || self.is_noun_ahead(at + 1) || self.is_joint_of_adjectives(at + 1);
             self.is_at(at, Role::Implies) && (!self.is_at(at, Role::Action) || is_before_noun())
         };
-        let fits = implies_plainly(self.at) || self.is(Role::Group) || self.is_noun_as_adjective();
+        let fits =
+            implies_plainly(self.state.at) || self.is(Role::Group) || self.is_noun_as_adjective();
         // Whatever else follows the joint is no adjective: the caller steps back.
         is_or.filter(|_| fits)
     }
@@ -208,12 +209,12 @@ impl Parser<'_> {
         if entry.category != Some(Category::Person) || !entry.implies.iter().all(is_age) {
             return false;
         }
-        let next = self.next_not_in(self.at + 1, JOINTS);
+        let next = self.next_not_in(self.state.at + 1, JOINTS);
         let roles = self.roles_at(next);
         let is_person = self.entry_at(next).category == Some(Category::Person);
         let is_plain =
             roles.has(Role::Implies) && !roles.has(Role::Action) && !roles.has(Role::Noun);
-        if next > self.at + 1 {
+        if next > self.state.at + 1 {
             return is_plain && self.is_list_to_person(next);
         }
         is_person || (is_plain || roles.has(Role::Unsupported)) && self.is_noun_ahead(next)
@@ -227,7 +228,7 @@ impl Parser<'_> {
     }
 
     fn adjective(&mut self, thing: &mut NounGroup) -> bool {
-        let (entry, roles, at) = (self.entry(), self.roles(), self.at);
+        let (entry, roles, at) = (self.entry(), self.roles(), self.state.at);
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
@@ -235,7 +236,7 @@ impl Parser<'_> {
         if roles.has(Role::Noun) || roles.has(Role::Implies) && self.is_adjective_here() {
             if !self.color_of_object() {
                 conditions.extend(entry.implies.iter().cloned());
-                self.at += 1;
+                self.bump();
             }
             return true;
         }
@@ -247,13 +248,13 @@ impl Parser<'_> {
         if roles.has(Role::Non) && self.is_at(at + 1, Role::Implies) && self.is_noun_ahead(at + 1) {
             let said = all_of(self.entry_at(at + 1).implies.clone());
             conditions.push(Condition::Not(Box::new(said)));
-            self.at += 2;
+            self.state.at += 2;
             return true;
         }
         if let Some((rank, length)) = self.ordinal() {
             thing.rank = Some((rank, at));
             thing.is_last = roles.has(Role::Last);
-            self.at += length;
+            self.state.at += length;
             return true;
         }
         if roles.has(Role::Group) && !self.is_end() {
@@ -268,7 +269,7 @@ impl Parser<'_> {
         }
         if let Some(place) = entry.distance.map(Place::Distance).or_else(|| self.side_place()) {
             conditions.push(Condition::FromRobot(place));
-            self.at += 1;
+            self.bump();
             return true;
         }
         if roles.has_any(Roles::of(&[Role::Unsupported, Role::Unknown])) {
@@ -295,8 +296,8 @@ impl Parser<'_> {
     /// Adjectives stand before or without a noun; what a body does, only before it.
     fn is_adjective_here(&self) -> bool {
         !self.is(Role::Action)
-            || self.is_noun_ahead(self.at + 1)
-            || self.is_joint_of_adjectives(self.at + 1)
+            || self.is_noun_ahead(self.state.at + 1)
+            || self.is_joint_of_adjectives(self.state.at + 1)
     }
 
     /// A rank and how many words tell it: "second", "2nd".
@@ -304,16 +305,16 @@ impl Parser<'_> {
         if self.is(Role::Ordinal) {
             return self.entry().number.map(|rank| (rank as u32, 1));
         }
-        if !(self.is(Role::Number) && self.is_at(self.at + 1, Role::Suffix)) {
+        if !(self.is(Role::Number) && self.is_at(self.state.at + 1, Role::Suffix)) {
             return None;
         }
-        self.word(self.at).parse().ok().filter(|rank| *rank > 0).map(|rank| (rank, 2))
+        self.word(self.state.at).parse().ok().filter(|rank| *rank > 0).map(|rank| (rank, 2))
     }
 
     fn chosen(&mut self, thing: &mut NounGroup) -> bool {
         let rank = thing.rank.take().map_or(1, |(rank, _)| rank);
         let count = thing.count.take().map_or(1, |(count, _)| count);
-        let start = self.at;
+        let start = self.state.at;
         match self.superlative(rank, count) {
             Some(pick) => self.put_pick(&mut thing.pattern, pick, start),
             None => false,
@@ -323,14 +324,14 @@ impl Parser<'_> {
     /// "part of a group of three persons".
     pub(crate) fn group(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
-        self.at += 1;
+        self.bump();
         self.skip_while(ARTICLES);
         let size = self.quantity().or_else(|| self.whole().map(Quantity::exactly));
         let Some(size) = size else {
             self.rewind(checkpoint);
             return false;
         };
-        self.at += usize::from(self.entry().category == Some(Category::Person));
+        self.state.at += usize::from(self.entry().category == Some(Category::Person));
         pattern.conditions.push(Condition::GroupSize(size));
         true
     }
@@ -340,14 +341,14 @@ impl Parser<'_> {
         if !entry.roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
             return false;
         }
-        self.at += 1;
+        self.bump();
         if let Some(category) = &entry.category {
             thing.pattern.category = category.clone();
             thing.pattern.conditions.extend(entry.implies.iter().cloned());
-            self.last_noun = Some(entry);
+            self.state.last_noun = Some(entry);
         } else {
             thing.is_pronoun = true;
-            if let Some(noun) = self.last_noun {
+            if let Some(noun) = self.state.last_noun {
                 thing.pattern.category = noun.category.clone().unwrap_or_default();
                 thing.pattern.conditions.extend(noun.implies.iter().cloned());
             }

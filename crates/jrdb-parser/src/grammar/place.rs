@@ -38,6 +38,22 @@ pub(crate) const LOCATION_START: Roles = Roles::of(&[
     Role::Side,
 ]);
 
+/// What can stand first in a part of a place, behind [`LEAD`].
+const PART_START: Roles = Roles::of(&[
+    Role::My,
+    Role::His,
+    Role::Noun,
+    Role::Implies,
+    Role::Robot,
+    Role::Near,
+    Role::Far,
+    Role::Sector,
+    Role::Number,
+    Role::Limit,
+    Role::Between,
+    Role::Side,
+]);
+
 impl Parser<'_> {
     /// Reads a place and what it is told from; stays where it is when there is none.
     pub(crate) fn location_phrase(
@@ -64,21 +80,19 @@ impl Parser<'_> {
     fn trailing_distance(&mut self, location: &mut LocationPhrase) {
         let is_his = matches!(location.reference, Reference::His);
         loop {
-            let checkpoint = self.checkpoint();
-            if is_his {
-                self.eat(Role::And);
-            }
-            let start = self.next_not_in(self.at, LEAD);
+            let joint = usize::from(is_his && self.is(Role::And));
+            let start = self.next_not_in(self.state.at + joint, LEAD);
             let is_distance = self.is_at(start, Role::Far) || self.is_length(start);
             if !is_distance || self.is_noun_ahead(start + 1) {
-                return self.rewind(checkpoint);
+                return;
             }
-            let places = location.places.len();
+            let (checkpoint, extent) = (self.checkpoint(), location.extent());
+            self.state.at += joint;
             let reference = std::mem::take(&mut location.reference);
             let fits = self.location_part(location);
             location.reference = reference;
             if !fits || self.is_reference_next() {
-                location.places.truncate(places);
+                location.cut_back(extent);
                 return self.rewind(checkpoint);
             }
         }
@@ -91,20 +105,25 @@ impl Parser<'_> {
     }
 
     fn is_reference_next(&self) -> bool {
-        let next = self.next_not_in(self.at, Roles::of(&[Role::Side, Role::Relative]));
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::Side, Role::Relative]));
         self.roles_at(next).has_any(Roles::of(&[Role::Of, Role::To])) && !self.is_place_at(next + 1)
     }
 
     /// Another part of the same place, directly or behind "and"; a part with a thing of its own is another place.
     fn next_location_part(&mut self, location: &mut LocationPhrase) -> bool {
-        let (checkpoint, places) = (self.checkpoint(), location.places.len());
-        let is_joined = self.eat(Role::And);
+        let is_joined = self.is(Role::And);
+        let start = self.state.at + usize::from(is_joined);
+        if !self.roles_at(self.next_not_in(start, LEAD)).has_any(PART_START) {
+            return false;
+        }
+        let (checkpoint, extent) = (self.checkpoint(), location.extent());
+        self.state.at = start;
         let found = self.location_part(location);
         let is_own = is_joined && (self.had_of() || self.is(Role::Of) || location.has_reference());
-        let is_own = is_own || location.bare_distance.is_some_and(|at| at >= places) && is_joined;
+        let is_own =
+            is_own || location.bare_distance.is_some_and(|at| at >= extent.places) && is_joined;
         if !found || is_own {
-            location.places.truncate(places);
-            location.bare_distance = location.bare_distance.filter(|at| *at < places);
+            location.cut_back(extent);
             location.reference = Reference::Unsaid;
             self.rewind(checkpoint);
             return false;
@@ -114,18 +133,22 @@ impl Parser<'_> {
 
     /// Whether the word just read needs a thing behind it: "behind".
     fn had_of(&self) -> bool {
-        self.at > 0 && self.is_at(self.at - 1, Role::Of)
+        self.state.at > 0 && self.is_at(self.state.at - 1, Role::Of)
     }
 
     /// One part: a direction, a distance, a length, an hour; with "my", "his" or "the man's" before a direction.
     fn location_part(&mut self, location: &mut LocationPhrase) -> bool {
-        let checkpoint = self.checkpoint();
-        self.skip_while(LEAD);
+        let start = self.next_not_in(self.state.at, LEAD);
+        if !self.roles_at(start).has_any(PART_START) {
+            return false;
+        }
+        let (checkpoint, extent) = (self.checkpoint(), location.extent());
+        self.state.at = start;
         let degrees = self.degrees();
-        let is_of = self.is(Role::Side) && self.is_at(self.at + 1, Role::Of);
-        self.at += if is_of { 2 } else { 0 };
+        let is_of = self.is(Role::Side) && self.is_at(self.state.at + 1, Role::Of);
+        self.state.at += if is_of { 2 } else { 0 };
         if self.is(Role::My) {
-            self.at += 1;
+            self.bump();
             location.reference = Reference::Robot;
         } else if self.is(Role::His) && self.is_place_behind_his() {
             self.eat_pronoun();
@@ -139,30 +162,31 @@ impl Parser<'_> {
             return true;
         }
         location.reference = Reference::Unsaid;
+        location.cut_back(extent);
         self.rewind(checkpoint);
         false
     }
 
     /// "30 degrees" before "to the left".
     fn degrees(&mut self) -> Option<f64> {
-        let start = self.next_not_in(self.at, Roles::of(&[Role::Limit]));
+        let start = self.next_not_in(self.state.at, Roles::of(&[Role::Limit]));
         if !self.is_at(start, Role::Number) {
             return None;
         }
-        let checkpoint = self.checkpoint();
-        self.at = start;
+        let before = self.state.at;
+        self.state.at = start;
         let degrees = self.number().filter(|degrees| *degrees <= HALF_TURN_DEG);
         let found = degrees.filter(|_| self.eat(Role::Degrees));
         match found {
             Some(_) => self.skip_while(LEAD),
-            None => self.rewind(checkpoint),
+            None => self.state.at = before,
         }
         found
     }
 
     fn is_place_behind_his(&self) -> bool {
         let his = Roles::of(&[Role::His, Role::Him, Role::Slash, Role::Filler]);
-        self.is_place_at(self.next_not_in(self.at, his))
+        self.is_place_at(self.next_not_in(self.state.at, his))
     }
 
     fn is_place_at(&self, at: usize) -> bool {
@@ -174,15 +198,15 @@ impl Parser<'_> {
     /// "the man's", before a direction.
     fn owner(&mut self) -> Option<Pattern> {
         const FIRST: Roles = Roles::of(&[Role::Noun, Role::Implies, Role::Robot]);
-        if !self.roles().has_any(FIRST) {
+        if !self.has_possessives || !self.roles().has_any(FIRST) {
             return None;
         }
         let checkpoint = self.checkpoint();
         let owner = self.robot().or_else(|| self.noun_group().map(|thing| thing.pattern));
-        let next = self.next_not_in(self.at + 1, Roles::of(&[Role::Filler]));
+        let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::Filler]));
         let is_sector = self.is_at(next, Role::Sector) || self.is_at(next + 1, Role::Clock);
         if owner.is_some() && self.is(Role::Possessive) && is_sector {
-            self.at += 1;
+            self.bump();
             return owner;
         }
         self.rewind(checkpoint);
@@ -192,11 +216,11 @@ impl Parser<'_> {
     fn location_value(&mut self, location: &mut LocationPhrase) -> bool {
         let entry = self.entry();
         let found = if entry.roles.has(Role::Near) {
-            self.at += 1;
+            self.bump();
             location.bare_distance = Some(location.places.len());
             location.push(Place::Distance(DistanceWord::Close))
         } else if let Some(word) = entry.distance {
-            self.at += 1;
+            self.bump();
             let is_plain = !self.is(Role::Side);
             location.bare_distance =
                 is_plain.then(|| location.places.len()).or(location.bare_distance);
@@ -217,7 +241,7 @@ impl Parser<'_> {
     /// Words such as "side" and "away"; "away from" is left for the thing behind it.
     fn skip_side(&mut self) {
         while self.is(Role::Side) && !self.is(Role::To) || self.is_direction_word() {
-            self.at += 1;
+            self.bump();
         }
     }
 
@@ -228,13 +252,13 @@ impl Parser<'_> {
 
     fn direction(&mut self, location: &mut LocationPhrase) -> Option<Place> {
         let entry = self.entry();
-        let at = self.at + usize::from(entry.elevation.is_some());
+        let at = self.state.at + usize::from(entry.elevation.is_some());
         let sector = self.entry_at(at).sector?;
         if entry.elevation.is_some() || entry.sector.is_some() {
             if sector != sector.mirrored() {
                 location.sided = Some(at);
             }
-            self.at = at + 1;
+            self.state.at = at + 1;
             let elevation = entry.elevation.unwrap_or(Elevation::Level);
             return Some(Place::Direction(Direction { sector, elevation }));
         }
@@ -242,13 +266,16 @@ impl Parser<'_> {
     }
 
     fn hour(&mut self) -> Option<Place> {
-        let checkpoint = self.checkpoint();
+        if !self.is(Role::Number) {
+            return None;
+        }
+        let start = self.state.at;
         let hour = self.whole().filter(|hour| (1..=12).contains(hour) && self.is(Role::Clock));
         let Some(hour) = hour else {
-            self.rewind(checkpoint);
+            self.state.at = start;
             return None;
         };
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Filler]));
         // Clockwise on the face is to the right, which is negative.
         let degrees = f64::from(hour % 12) * -HOUR_DEG;
@@ -259,30 +286,31 @@ impl Parser<'_> {
     /// The thing behind "of", "to", "from", "relative to".
     fn reference(&mut self, subject: &Pattern, location: &mut LocationPhrase) {
         const JOINTS: Roles = Roles::of(&[Role::Relative, Role::To, Role::Of, Role::At]);
-        let checkpoint = self.checkpoint();
-        let had_of = self.had_of() || self.is_at(self.at.wrapping_sub(1), Role::Near);
+        let had_of = self.had_of() || self.is_at(self.state.at.wrapping_sub(1), Role::Near);
         let is_joined = self.roles().has_any(Roles::of(&[Role::To, Role::Of, Role::Relative]));
         let is_another = !had_of && self.is(Role::Sector);
         if !had_of && !is_joined || is_another {
             return;
         }
+        let start = self.state.at;
         if !had_of || self.roles().has_any(Roles::of(&[Role::Relative, Role::Of])) {
-            self.skip_while(JOINTS);
-            let start = self.next_not_in(self.at, Roles::of(&[Role::The, Role::A]));
-            if self.is_place_at(self.at) && !self.is_noun_ahead(start) {
-                return self.rewind(checkpoint);
+            let next = self.next_not_in(start, JOINTS);
+            let noun = self.next_not_in(next, Roles::of(&[Role::The, Role::A]));
+            if self.is_place_at(next) && !self.is_noun_ahead(noun) {
+                return;
             }
+            self.state.at = next;
         }
         location.reference = self.reference_noun(subject);
         if !location.has_reference() {
-            self.rewind(checkpoint);
+            self.state.at = start;
         }
     }
 
     fn reference_noun(&mut self, subject: &Pattern) -> Reference {
-        let start = self.next_not_in(self.at, Roles::of(&[Role::Filler]));
+        let start = self.next_not_in(self.state.at, Roles::of(&[Role::Filler]));
         if self.is_at(start, Role::Him) && !self.is_noun_ahead(start + 1) {
-            self.at = start;
+            self.state.at = start;
             self.eat_pronoun();
             return Reference::Him;
         }

@@ -8,19 +8,23 @@ use jrdb_types::{Condition, Pattern};
 use crate::config::OfPerson;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{any_of, levels, push_related, related, truncated_antecedent};
+use crate::pattern::{any_of, levels, push_related, related};
 use crate::phrase::{After, LocationPhrase, NounGroup, Partner, Reference, is_robot};
 
 impl Parser<'_> {
     /// "close to me", "to the left of a child", "at a far distance".
     pub(crate) fn location(&mut self, pattern: &mut Pattern, after: After) -> bool {
-        let (checkpoint, start) = (self.checkpoint(), self.at);
+        let start = self.state.at;
+        let checkpoint = (after == After::Partner).then(|| self.checkpoint());
         let mut location = LocationPhrase::default();
         if !self.location_phrase(pattern, &mut location) {
             return false;
         }
         let is_unsaid = matches!(location.reference, Reference::Unsaid);
-        if after == After::Partner && is_unsaid && location.places.iter().all(is_distance) {
+        if let Some(checkpoint) = checkpoint
+            && is_unsaid
+            && location.places.iter().all(is_distance)
+        {
             // "left of the woman at a far distance": how far from her, not she from the robot.
             self.rewind(checkpoint);
             return false;
@@ -68,11 +72,11 @@ impl Parser<'_> {
 
     fn owner_of_his(&mut self, start: usize) -> Pattern {
         const PRONOUN: Roles = Roles::of(&[Role::His, Role::Him]);
-        let at = (start..self.at).find(|at| self.roles_at(*at).has_any(PRONOUN));
+        let at = (start..self.state.at).find(|at| self.roles_at(*at).has_any(PRONOUN));
         let found = self.antecedent_at(at.unwrap_or(start));
         if found.is_none() {
             let message = "nobody was spoken of before who can be meant; read as anybody".into();
-            self.report(IssueKind::Ambiguous, start, self.at, message);
+            self.report(IssueKind::Ambiguous, start, self.state.at, message);
         }
         found.unwrap_or_default()
     }
@@ -132,7 +136,7 @@ impl Parser<'_> {
         if !self.roles().has_any(Roles::of(&[Role::Has, Role::With, Role::Without])) {
             return false;
         }
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::With, Role::Filler, Role::Either]));
         is_without |= self.eat(Role::Neither);
         let mut found = false;
@@ -161,7 +165,7 @@ impl Parser<'_> {
                 }
             }
             is_or = self.is(Role::Or);
-            self.at += 1;
+            self.bump();
         }
         if !found {
             self.rewind(checkpoint);
@@ -171,11 +175,11 @@ impl Parser<'_> {
 
     /// "'s bag" behind "the woman": the bag that is with her.
     pub(crate) fn owned(&mut self, thing: &mut NounGroup) {
-        while self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Noun) {
+        while self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Noun) {
             if !self.has_room(levels(&thing.pattern)) {
                 return;
             }
-            self.at += 1;
+            self.bump();
             let owner = std::mem::take(&mut thing.pattern);
             self.noun(thing);
             let with = related(vec![RelationKind::With], owner, Quantity::SOME);
@@ -192,12 +196,13 @@ impl Parser<'_> {
     /// "and a man on the right" behind "has a woman on the left".
     fn is_placed_person_next(&self) -> bool {
         const PERSON: Roles = Roles::of(&[Role::The, Role::A, Role::Implies, Role::Noun]);
-        let next = self.next_not_in(self.at + 1, PERSON);
+        let next = self.next_not_in(self.state.at + 1, PERSON);
         self.roles_at(next).has_any(Roles::of(&[Role::At, Role::To, Role::Sector, Role::Near]))
     }
 
     fn is_person_next(&self) -> bool {
-        let next = self.next_not_in(self.at + 1, Roles::of(&[Role::The, Role::A, Role::Implies]));
+        let next =
+            self.next_not_in(self.state.at + 1, Roles::of(&[Role::The, Role::A, Role::Implies]));
         self.entry_at(next).category == Some(Category::Person)
     }
 
@@ -206,22 +211,22 @@ impl Parser<'_> {
             let kinds = vec![RelationKind::With];
             return Some(related(kinds, robot, Quantity::SOME));
         }
-        let start = self.at;
+        let start = self.state.at;
         let mut thing = NounGroup::default();
         if !self.read_noun_group(&mut thing) {
             return None;
         }
         let quantity = thing.how_many();
         if self.is_facing_him() {
-            self.antecedent = Some(truncated_antecedent(pattern));
+            self.set_antecedent(pattern);
         }
         while self.is_activity_next() && self.activity(&mut thing.pattern) {}
         if self.is_facing_him() {
             self.relation(&mut thing.pattern);
         }
-        if self.is(Role::With) && self.is_at(self.at + 1, Role::Him) {
+        if self.is(Role::With) && self.is_at(self.state.at + 1, Role::Him) {
             // "has a dog with him" is no more than "has a dog".
-            self.at += 1;
+            self.bump();
             self.eat_pronoun();
         }
         let is_none = quantity == Quantity::NONE;
@@ -239,7 +244,7 @@ impl Parser<'_> {
         let facing = Some(RelationKind::Pair(PairWord::Facing));
         self.is(Role::Relation)
             && self.entry().relation == facing
-            && self.is_at(self.at + 1, Role::Him)
+            && self.is_at(self.state.at + 1, Role::Him)
     }
 
     fn is_activity_next(&self) -> bool {
@@ -270,13 +275,13 @@ impl Parser<'_> {
     /// "next to him" behind "with a woman".
     fn beside_him(&mut self) -> Option<RelationKind> {
         let kind = self.entry().relation.as_ref().filter(|_| self.is(Role::Relation))?;
-        let next = self.at + 1;
+        let next = self.state.at + 1;
         let is_pair =
             matches!(kind, RelationKind::Pair(PairWord::Adjacent | PairWord::Overlapping));
         if !is_pair || !self.is_at(next, Role::Him) || self.is_noun_ahead(next + 1) {
             return None;
         }
-        self.at = next;
+        self.state.at = next;
         self.eat_pronoun();
         Some(kind.clone())
     }
@@ -285,7 +290,7 @@ impl Parser<'_> {
     /// the same, described thing.
     pub(crate) fn noun_located_by_his(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
-        let found = self.noun_group().filter(|_| self.is_located_by_his_at(self.at));
+        let found = self.noun_group().filter(|_| self.is_located_by_his_at(self.state.at));
         let mut location = LocationPhrase::default();
         let is_at_his = self.location_phrase(pattern, &mut location)
             && matches!(location.reference, Reference::His);

@@ -75,14 +75,14 @@ impl Parser<'_> {
     }
 
     fn rare_predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
-        let (roles, start) = (self.roles(), self.at);
+        let (roles, start) = (self.roles(), self.state.at);
         if roles.has(Role::Neither) {
             return self.neither(pattern);
         }
         if roles.has(Role::Either) {
             self.skip_while(Roles::of(&[Role::Either]));
             return self.predicate(pattern, after) || {
-                self.at = start;
+                self.state.at = start;
                 false
             };
         }
@@ -90,13 +90,13 @@ impl Parser<'_> {
             return self.except(pattern);
         }
         if roles.has(Role::Doing) {
-            self.at += 1;
-            self.asks_doing = true;
+            self.bump();
+            self.state.asks_doing = true;
             return true;
         }
         let is_the = roles.has(Role::The) && self.is_at(start + 1, Role::Superlative);
         if roles.has(Role::Superlative) || is_the {
-            self.at += usize::from(is_the);
+            self.state.at += usize::from(is_the);
             return self.superlative_predicate(pattern, 1, start);
         }
         if roles.has(Role::Comparative) {
@@ -109,7 +109,7 @@ impl Parser<'_> {
             return self.group(pattern);
         }
         if let Some((rank, length)) = self.ordinal() {
-            self.at += length;
+            self.state.at += length;
             return self.superlative_predicate(pattern, rank, start);
         }
         self.at_thing(pattern)
@@ -121,7 +121,7 @@ impl Parser<'_> {
         match self.superlative(rank, 1).or_else(|| self.side_pick(rank, 1)) {
             Some(pick) => self.put_pick(pattern, pick, start),
             None => {
-                self.at = start;
+                self.state.at = start;
                 false
             }
         }
@@ -135,7 +135,7 @@ impl Parser<'_> {
         if self.noun_located_by_his(pattern) {
             return true;
         }
-        let (checkpoint, start) = (self.checkpoint(), self.at);
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
         let Some(thing) = self.noun_group() else { return false };
         let (is, was) = (&thing.pattern.category, &pattern.category);
         if is != was && *was != Category::Anything {
@@ -155,7 +155,7 @@ impl Parser<'_> {
     /// "not sitting", "isn't near the door or the wall".
     fn negated(&mut self, pattern: &mut Pattern) -> bool {
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
         if !self.nested(|parser| parser.predicates(pattern)) {
             self.rewind(checkpoint);
@@ -167,7 +167,7 @@ impl Parser<'_> {
         let mut parts = vec![all_of(split_from(&mut pattern.conditions, start))];
         while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
             let checkpoint = self.checkpoint();
-            self.at += 1;
+            self.bump();
             if !self.nested(|parser| parser.predicates(pattern)) {
                 self.rewind(checkpoint);
                 break;
@@ -203,7 +203,7 @@ impl Parser<'_> {
     /// "except those standing".
     pub(crate) fn except(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
-        self.at += 1;
+        self.bump();
         let category = pattern.category.clone();
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
@@ -230,14 +230,14 @@ impl Parser<'_> {
             Role::To,
             Role::Located,
         ]);
-        let next = self.next_not_in(self.at, LEAD);
+        let next = self.next_not_in(self.state.at, LEAD);
         if !self.is_at(next, Role::Unsupported) {
             return false;
         }
-        self.at = next;
+        self.state.at = next;
         while self.eat_unsupported() {
-            let and = self.is(Role::And) && self.is_at(self.at + 1, Role::Unsupported);
-            self.at += usize::from(and);
+            let and = self.is(Role::And) && self.is_at(self.state.at + 1, Role::Unsupported);
+            self.state.at += usize::from(and);
         }
         if self.eat(Role::Relative) {
             self.eat(Role::To);
@@ -263,7 +263,7 @@ impl Parser<'_> {
 
     fn is_object_next(&self) -> bool {
         let next = self.next_not_in(
-            self.at,
+            self.state.at,
             Roles::of(&[
                 Role::The,
                 Role::A,
@@ -284,7 +284,7 @@ impl Parser<'_> {
     /// "whose age is young".
     pub(crate) fn whose(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
-        self.at += 1;
+        self.bump();
         let is_property = self.eat(Role::Asks) && self.eat(Role::Is);
         let found = if is_property {
             self.predicate(pattern, After::Noun)

@@ -2,11 +2,11 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
-use jrdb_types::{Condition, Issue, Pattern, Query};
+use jrdb_types::{Condition, Pattern, Query};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, either, set_count, split_from, truncated_antecedent};
+use crate::pattern::{all_of, either, set_count, split_from};
 use crate::phrase::{NounGroup, Part, Scope, Target};
 
 /// What "describe" tells.
@@ -32,28 +32,19 @@ impl Parser<'_> {
         while !self.is_end() {
             self.report_unused();
         }
-        if self.tokens.is_empty() {
-            let issue = Issue::new(IssueKind::UnknownWord, "the question has no words");
-            self.issues.push(issue);
-        }
-        if let Some(at) = self.too_deep.filter(|at| *at < self.tokens.len()) {
-            let message =
-                "too many things inside each other; the rest is read apart from them".into();
-            self.report(IssueKind::Ambiguous, at, at + 1, message);
-        }
-        self.suggest();
-        self.issues.sort_by_key(|issue| issue.span);
-        Query { text: self.text.into(), task, target, slots: self.slots, issues: self.issues }
+        let text = self.text.into();
+        let (slots, issues) = self.finish();
+        Query { text, task, target, slots, issues }
     }
 
     pub(crate) fn question_form(&mut self) -> (Task, Pattern) {
         self.skip_while(LEAD);
         self.addressed();
         let roles = self.roles();
-        let what = self.next_not_in(self.at, Roles::of(&[Role::The]));
+        let what = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
         let links = Roles::of(&[Role::Is, Role::Of]);
         if self.is_at(what, Role::Unsupported) && self.roles_at(what + 1).has_any(links) {
-            self.at = what;
+            self.state.at = what;
             self.report_unused();
             self.eat(Role::Of);
             self.skip_while(COPULA);
@@ -63,14 +54,14 @@ impl Parser<'_> {
             return self.find();
         }
         if roles.has(Role::Count) {
-            self.at += 1;
+            self.bump();
             self.skip_while(Roles::of(&[Role::Of]));
             let target = self.target();
             self.report_count(&target);
             return (Task::Count, target.pattern);
         }
         if roles.has(Role::Where) {
-            self.at += 1;
+            self.bump();
             self.skip_while(COPULA);
             self.skip_while(Roles::of(&[Role::Find, Role::Filler]));
             let target = self.target();
@@ -78,7 +69,7 @@ impl Parser<'_> {
             return (Task::Where, target.pattern);
         }
         if roles.has(Role::Describe) {
-            self.at += 1;
+            self.bump();
             let properties = DESCRIPTION.into();
             return (Task::Which { properties, in_order: false }, self.target().pattern);
         }
@@ -112,8 +103,8 @@ impl Parser<'_> {
     /// "Robot, ..." speaks to the robot, not of it.
     fn addressed(&mut self) {
         const NEXT: Roles = Roles::of(&[Role::Comma, Role::Find, Role::Which, Role::Count]);
-        if self.is(Role::Robot) && self.roles_at(self.at + 1).has_any(NEXT) {
-            self.at += 1;
+        if self.is(Role::Robot) && self.roles_at(self.state.at + 1).has_any(NEXT) {
+            self.bump();
             self.skip_while(LEAD);
         }
     }
@@ -130,13 +121,15 @@ impl Parser<'_> {
             Role::Describe,
             Role::If,
         ]);
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Filler, Role::To]));
         let roles = self.roles();
         if roles.has_any(OPENERS) && !roles.has(Role::The) {
             return self.nested(Self::question_form);
         }
-        if roles.has(Role::Asks) || roles.has(Role::The) && self.is_at(self.at + 1, Role::Asks) {
+        if roles.has(Role::Asks)
+            || roles.has(Role::The) && self.is_at(self.state.at + 1, Role::Asks)
+        {
             return self.properties();
         }
         let target = self.target();
@@ -160,7 +153,7 @@ impl Parser<'_> {
     /// "of the people near the door, who is the tallest?"
     fn among(&mut self) -> (Task, Pattern) {
         let checkpoint = self.checkpoint();
-        self.at += 1;
+        self.bump();
         let all = self.noun_group().map(|thing| self.with_modifiers(thing.pattern, thing.count));
         self.eat(Role::Comma);
         let (Some(all), false) = (all, self.is_end()) else {
@@ -189,7 +182,7 @@ impl Parser<'_> {
     /// The thing asked for with all that is said of it.
     pub(crate) fn target(&mut self) -> Target {
         let first = self.target_noun_group();
-        self.finish(first)
+        self.finish_target(first)
     }
 
     pub(crate) fn target_noun_group(&mut self) -> NounGroup {
@@ -202,13 +195,13 @@ impl Parser<'_> {
             let pattern = self.pronoun().unwrap_or_default();
             return NounGroup { pattern, ..NounGroup::default() };
         }
-        if self.is(Role::All) && self.roles_at(self.at + 1).has_any(EXCEPT) {
-            self.at += 1;
+        if self.is(Role::All) && self.roles_at(self.state.at + 1).has_any(EXCEPT) {
+            self.bump();
             return NounGroup::default();
         }
-        let next = self.next_not_in(self.at, Roles::of(&[Role::The, Role::A]));
-        if next > self.at && self.is_at(next, Role::Unknown) {
-            self.at = next;
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::The, Role::A]));
+        if next > self.state.at && self.is_at(next, Role::Unknown) {
+            self.state.at = next;
             self.report_unknown_noun();
             let pattern = Pattern::of(Category::Anything);
             return NounGroup { pattern, ..NounGroup::default() };
@@ -217,11 +210,11 @@ impl Parser<'_> {
     }
 
     /// Reads what is said behind the noun, and alternatives: "the man or the woman next to him".
-    pub(crate) fn finish(&mut self, thing: NounGroup) -> Target {
+    pub(crate) fn finish_target(&mut self, thing: NounGroup) -> Target {
         let mut pattern = thing.pattern;
-        let (start, told) = (thing.start, self.at);
+        let (start, told) = (thing.start, self.state.at);
         let head = self.clauses(&mut pattern, Scope::Top);
-        if self.is_timed {
+        if self.state.is_timed {
             self.close_slot(&mut pattern, head);
         }
         set_count(&mut pattern, thing.count);
@@ -239,25 +232,28 @@ impl Parser<'_> {
 
     /// Reads the others of "the man, the woman and the child".
     fn others(&mut self, first: Part) -> Pattern {
-        let (start, mut is_list) = (self.at, true);
+        let (start, mut is_list) = (self.state.at, true);
         let mut parts = vec![first];
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
             let is_joined = !self.is(Role::Or);
-            is_list &= self.is(Role::Comma) && !self.roles_at(self.at + 1).has_any(JOINTS);
-            self.at += 1;
+            is_list &= self.is(Role::Comma) && !self.roles_at(self.state.at + 1).has_any(JOINTS);
+            self.bump();
             if self.has_pronouns {
-                self.antecedent = parts.last().map(|part| truncated_antecedent(&part.pattern));
+                self.state.antecedent = None;
+                if let Some(last) = parts.last() {
+                    self.set_antecedent(&last.pattern);
+                }
             }
-            let start = self.at;
+            let start = self.state.at;
             let Some(NounGroup { mut pattern, count, .. }) = self.noun_group() else { break };
-            let (head, told) = (pattern.conditions.len(), self.at);
+            let (head, told) = (pattern.conditions.len(), self.state.at);
             self.clauses(&mut pattern, Scope::Top);
             set_count(&mut pattern, count);
             parts.push(Part { pattern, head, start, told, is_joined });
         }
         if is_list {
             let message = "read as a list of things, each of which is meant".into();
-            self.report(IssueKind::Ambiguous, start, self.at, message);
+            self.report(IssueKind::Ambiguous, start, self.state.at, message);
         }
         self.one_of(parts)
     }
@@ -266,7 +262,7 @@ impl Parser<'_> {
     pub(crate) fn choice(&mut self, pattern: &mut Pattern) {
         let mut things = Vec::new();
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
-            self.at += 1;
+            self.bump();
             let Some(thing) = self.noun_group() else { break };
             things.push(self.with_modifiers(thing.pattern, thing.count));
         }
@@ -278,7 +274,7 @@ impl Parser<'_> {
     /// "is there a man", "are there more men than women", "is the man sitting".
     fn yes_no_question(&mut self) -> (Task, Pattern) {
         let is_has = self.is(Role::Has);
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Filler, Role::Doing]));
         if self.roles().has_any(Roles::of(&[Role::More, Role::Fewer])) {
             return self.compare_counts();
@@ -289,7 +285,7 @@ impl Parser<'_> {
 
     /// "if anyone is sitting".
     fn embedded_question(&mut self) -> (Task, Pattern) {
-        self.at += 1;
+        self.bump();
         self.skip_while(LEAD);
         if self.roles().has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing])) {
             return self.yes_no_question();
@@ -299,14 +295,14 @@ impl Parser<'_> {
     }
 
     fn finish_yes_no(&mut self, is_definite: bool, is_has: bool) -> (Task, Pattern) {
-        self.asks_several = true;
+        self.state.asks_several = true;
         let mut thing = self.target_noun_group();
         if is_has && self.is(Role::A) {
             self.possessed(&mut thing.pattern);
         }
         let is_told = is_definite || thing.is_all || thing.pattern.pick.is_some();
-        let mut target = if is_told { self.predicate_of(thing) } else { self.finish(thing) };
-        let subjects = self.subjects.and_then(|count| u32::try_from(count).ok());
+        let mut target = if is_told { self.predicate_of(thing) } else { self.finish_target(thing) };
+        let subjects = self.state.subjects;
         let counted = target.count.map(|(count, _)| count).or(subjects).map(Quantity::at_least);
         let quantity = target.quantity.or(counted).unwrap_or_default();
         if target.is_all && target.pattern.conditions.len() > target.head {
@@ -321,11 +317,11 @@ impl Parser<'_> {
     /// "more men than women near the door": what is said last is said of both.
     fn compare_counts(&mut self) -> (Task, Pattern) {
         let order = if self.is(Role::More) { Order::Most } else { Order::Least };
-        let start = self.at;
-        self.at += 1;
+        let start = self.state.at;
+        self.bump();
         let thing = self.target_noun_group();
         let noun = thing.pattern.clone();
-        let mut first = self.finish(thing);
+        let mut first = self.finish_target(thing);
         if !self.eat(Role::Than) {
             let message = "more than what is not said, not used".into();
             self.report(IssueKind::MisplacedWord, start, start + 1, message);
@@ -334,7 +330,7 @@ impl Parser<'_> {
         self.skip_while(Roles::of(&[Role::Filler, Role::Is]));
         let second = self.noun_group().map_or(noun, |thing| thing.pattern);
         let head = second.conditions.len();
-        let second = self.finish(NounGroup { pattern: second, ..NounGroup::default() });
+        let second = self.finish_target(NounGroup { pattern: second, ..NounGroup::default() });
         if first.pattern.conditions.len() == first.head && second.head == head {
             let told = second.pattern.conditions.get(head..).unwrap_or_default().to_vec();
             first.pattern.conditions.extend(told);

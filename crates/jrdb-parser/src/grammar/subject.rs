@@ -43,7 +43,7 @@ impl Parser<'_> {
             (subject, picks_last) = (length, !had_pick && thing.pattern.pick.is_some());
         }
         if self.is(Role::Who) {
-            return self.finish(thing);
+            return self.finish_target(thing);
         }
         let mut asked = Vec::new();
         if self.is_end() || self.roles().has_any(CLAUSE_ENDS) {
@@ -62,7 +62,7 @@ impl Parser<'_> {
         let head = thing.pattern.conditions.len();
         thing.pattern.conditions.extend(asked);
         self.subject_complement(&mut thing.pattern);
-        Target { head, ..self.finish(thing) }
+        Target { head, ..self.finish_target(thing) }
     }
 
     fn is_place_of_subject(&self) -> bool {
@@ -97,21 +97,21 @@ impl Parser<'_> {
     pub(crate) fn object_relative(&mut self, pattern: &mut Pattern) -> bool {
         const FIRST: Roles = Roles::of(&[Role::Who, Role::Is, Role::Doing]);
         const DETERMINERS: Roles = Roles::of(&[Role::The, Role::A, Role::Number]);
-        let start = self.next_not_in(self.at, FIRST);
-        let is_that = start > self.at && self.is_at(start - 1, Role::The);
+        let start = self.next_not_in(self.state.at, FIRST);
+        let is_that = start > self.state.at && self.is_at(start - 1, Role::The);
         let has_name = self.roles_at(start).has_any(DETERMINERS) || is_that;
-        let is_negated = (self.at..start).any(|at| self.is_at(at, Role::Not));
-        if start > self.at + 2 || !has_name || is_negated || !self.is_doer_at(start) {
+        let is_negated = (self.state.at..start).any(|at| self.is_at(at, Role::Not));
+        if start > self.state.at + 2 || !has_name || is_negated || !self.is_doer_at(start) {
             return false;
         }
         let checkpoint = self.checkpoint();
-        self.at = start;
+        self.state.at = start;
         let done = self.noun_group().and_then(|other| self.activity_of(other, &pattern.category));
         match done {
             Some(done) => pattern.conditions.push(done),
             None => self.rewind(checkpoint),
         }
-        self.at > start
+        self.state.at > start
     }
 
     /// Whether a plain name and what its thing does stand at a place.
@@ -129,7 +129,7 @@ impl Parser<'_> {
         let mut doer = other.pattern;
         self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Doing]));
         let entry = self.entry();
-        self.at += 1;
+        self.bump();
         let is_person = *category == Category::Person;
         let kind = if let (Some(label), true) = (&entry.people, is_person) {
             let has_with = self.eat(Role::With) || self.eat(Role::To);

@@ -34,7 +34,7 @@ impl Parser<'_> {
     /// "tallest", "closest to the door", with the rank and number said before.
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let (measured, order) = self.entry().order?;
-        self.at += 1;
+        self.bump();
         let from = if measured == Measured::Distance { self.distance_reference() } else { None };
         Some(Pick { measure: measure(measured, from), order, rank, count })
     }
@@ -42,44 +42,44 @@ impl Parser<'_> {
     /// The thing of "to the door" behind "closest".
     pub(crate) fn distance_reference(&mut self) -> Option<Pattern> {
         self.eat(Role::Side);
-        let next = self.next_not_in(self.at, LINK);
+        let next = self.next_not_in(self.state.at, LINK);
         if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
             return None;
         }
-        let checkpoint = self.checkpoint();
-        self.at += usize::from(self.is(Role::To));
+        let start = self.state.at;
+        self.state.at += usize::from(self.is(Role::To));
         let found = self.nested(Self::noun_phrase);
         if found.is_none() {
-            self.rewind(checkpoint);
+            self.state.at = start;
         }
         found
     }
 
     /// "from the left" behind "the second person": the order that the rank is of.
     pub(crate) fn side_pick(&mut self, rank: u32, count: u32) -> Option<Pick> {
-        let next = self.next_not_in(self.at, LINK);
+        let next = self.next_not_in(self.state.at, LINK);
         let sector = self.entry_at(next).sector?;
         let order = match sector {
             Sector::Left => Order::Least,
             Sector::Right => Order::Most,
             _ => return None,
         };
-        if next == self.at || self.is_at(next + 1, Role::Of) {
+        if next == self.state.at || self.is_at(next + 1, Role::Of) {
             return None;
         }
-        self.at = next + 1;
+        self.state.at = next + 1;
         self.skip_while(Roles::of(&[Role::Side]));
         Some(Pick { measure: Measure::FromLeft, order, rank, count })
     }
 
     /// "taller than the man", "closer to me than the child"; "the taller one" picks the tallest.
     pub(crate) fn comparative(&mut self, pattern: &mut Pattern) -> bool {
-        let start = self.at;
+        let start = self.state.at;
         let Some((measured, order)) = self.entry().order.filter(|_| self.is(Role::Comparative))
         else {
             return false;
         };
-        self.at += 1;
+        self.bump();
         self.eat(Role::Side);
         let from = if measured == Measured::Distance { self.distance_reference() } else { None };
         if !self.eat(Role::Than) {
@@ -87,10 +87,10 @@ impl Parser<'_> {
             return self.put_pick(pattern, pick, start);
         }
         if self.is(Role::To) {
-            self.at += 1;
+            self.bump();
             self.nested(Self::noun_phrase);
             let message = "nearer to one thing than to another cannot be asked, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
@@ -100,7 +100,7 @@ impl Parser<'_> {
             self.report(
                 IssueKind::MisplacedWord,
                 start,
-                self.at,
+                self.state.at,
                 "nothing to compare with, not used".into(),
             );
             return true;
@@ -122,7 +122,7 @@ impl Parser<'_> {
     ) -> bool {
         if measured != Measured::Distance {
             let message = "only distances are compared with metres, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
@@ -146,7 +146,7 @@ impl Parser<'_> {
     pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
         if pattern.pick.is_some() {
             let message = "only one order can be asked for, this one is not used".into();
-            self.report(IssueKind::MisplacedWord, start, self.at, message);
+            self.report(IssueKind::MisplacedWord, start, self.state.at, message);
         } else {
             pattern.pick = Some(pick);
         }
@@ -183,7 +183,7 @@ impl Parser<'_> {
     fn after_superlative(&mut self, thing: &mut NounGroup) {
         if self.is(Role::Of) && !self.is(Role::Sector) {
             let checkpoint = self.checkpoint();
-            self.at += 1;
+            self.bump();
             match self.nested(Self::noun_group) {
                 Some(all) if all.pattern.pick.is_none() => {
                     thing.pattern.category = all.pattern.category;

@@ -9,15 +9,15 @@ use crate::parser::Parser;
 impl Parser<'_> {
     /// Reads "during 0 to 3 seconds" into the slot at hand.
     pub(crate) fn during(&mut self) -> bool {
-        let checkpoint = self.checkpoint();
+        let start = self.state.at;
         let span = self.eat(Role::During).then(|| self.seconds()).flatten();
         match span {
             Some(span) => {
-                (self.during, self.is_timed) = (Some(span), true);
+                (self.state.during, self.state.is_timed) = (Some(span), true);
                 true
             }
             None => {
-                self.rewind(checkpoint);
+                self.state.at = start;
                 false
             }
         }
@@ -38,13 +38,13 @@ impl Parser<'_> {
     /// Whether "and then" or ", then" is at hand.
     pub(crate) fn is_then(&self) -> bool {
         let joints = Roles::of(&[Role::Comma, Role::And]);
-        self.is_at(self.next_not_in(self.at, joints), Role::Then)
+        self.is_at(self.next_not_in(self.state.at, joints), Role::Then)
     }
 
     /// Steps over "and then" and closes the slot of the conditions from `head` on.
     pub(crate) fn then(&mut self, pattern: &mut Pattern, head: usize) {
         self.skip_while(Roles::of(&[Role::Comma, Role::And, Role::Then]));
-        self.is_timed = true;
+        self.state.is_timed = true;
         self.close_slot(pattern, head);
     }
 
@@ -52,6 +52,7 @@ impl Parser<'_> {
     pub(crate) fn close_slot(&mut self, pattern: &mut Pattern, head: usize) {
         let head = head.min(pattern.conditions.len());
         let conditions: Vec<Condition> = pattern.conditions.drain(head..).collect();
-        self.slots.push(Slot { during_s: self.during.take(), conditions });
+        let during_s = self.state.during.take();
+        self.push_slot(Slot { during_s, conditions });
     }
 }

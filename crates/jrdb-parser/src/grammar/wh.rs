@@ -14,7 +14,7 @@ impl Parser<'_> {
     /// "how far is the man", "which direction is he in".
     pub(crate) fn how(&mut self) -> (Task, Pattern) {
         let properties: Vec<Property> = self.entry().asks.into_iter().collect();
-        self.at += 1;
+        self.bump();
         self.skip_while(Roles::of(&[Role::Side, Role::To, Role::Of, Role::Filler]));
         self.skip_while(COPULA);
         let thing = self.target_noun_group();
@@ -27,28 +27,28 @@ impl Parser<'_> {
         if thing.pattern.pick.is_some() && is_activity {
             identify(&mut thing.pattern);
         }
-        let target = self.finish(thing);
+        let target = self.finish_target(thing);
         (Task::Which { properties, in_order: false }, target.pattern)
     }
 
     /// "from the table" behind "how far is the man": only distances from the robot are told.
     fn far_from(&mut self) {
         self.skip_while(Roles::of(&[Role::Side]));
-        let start = self.at;
-        let to = self.is(Role::To) || self.is_at(self.at.wrapping_sub(1), Role::To);
-        self.at += usize::from(self.is(Role::To));
+        let start = self.state.at;
+        let to = self.is(Role::To) || self.is_at(self.state.at.wrapping_sub(1), Role::To);
+        self.state.at += usize::from(self.is(Role::To));
         let from = if to { self.noun_phrase() } else { None };
         if from.is_some_and(|from| from.category != Category::Robot) {
             let message = "only distances from the robot are told, this is not used".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
         }
     }
 
     /// Takes "in" off the end of "which direction is the man in": it belongs to the question word.
     fn drop_stranded_preposition(&mut self) -> bool {
         const STRANDED: Roles = Roles::of(&[Role::At, Role::To, Role::With]);
-        let last = self.tokens.len().wrapping_sub(1);
-        let found = last > self.at.wrapping_sub(1)
+        let last = self.state.tokens.len().wrapping_sub(1);
+        let found = last > self.state.at.wrapping_sub(1)
             && self.roles_at(last).has_any(STRANDED)
             && !self.roles_at(last).has(Role::Interaction);
         if found {
@@ -59,7 +59,7 @@ impl Parser<'_> {
 
     pub(crate) fn which(&mut self) -> (Task, Pattern) {
         let is_what = self.is(Role::What);
-        self.at += 1;
+        self.bump();
         let is_of = self.is(Role::Of);
         self.skip_while(Roles::of(&[Role::Of, Role::Filler]));
         while self.eat_unsupported() {}
@@ -68,7 +68,7 @@ impl Parser<'_> {
         }
         if self.roles().has_any(Roles::of(&[Role::Is, Role::Doing])) && !self.is(Role::Not) {
             self.skip_while(COPULA);
-            let next = self.next_not_in(self.at, Roles::of(&[Role::The]));
+            let next = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
             if self.is_at(next, Role::Asks) {
                 return self.properties();
             }
@@ -87,7 +87,7 @@ impl Parser<'_> {
         } else if let Some(mut thing) = self.noun_group() {
             // "Of the two men" tells how many there are, not how many are chosen.
             let among = thing.count.take_if(|_| is_of);
-            let target = self.finish(thing);
+            let target = self.finish_target(thing);
             self.report_count(&target);
             if target.pattern.pick.is_none() {
                 self.report_count(&Target { count: among, ..target.clone() });
@@ -96,24 +96,24 @@ impl Parser<'_> {
         }
         let category = if is_what { Category::Anything } else { Category::Person };
         let thing = NounGroup { pattern: Pattern::of(category), ..NounGroup::default() };
-        (Task::Find, self.finish(thing).pattern)
+        (Task::Find, self.finish_target(thing).pattern)
     }
 
     /// "what is the man doing", "what is the man holding", "what is the object near the door".
     fn what_is(&mut self, thing: NounGroup) -> (Task, Pattern) {
-        if self.is(Role::Possessive) && self.is_at(self.at + 1, Role::Asks) {
-            self.at += 1;
+        if self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Asks) {
+            self.bump();
             let (properties, in_order) = self.property_list();
-            return (Task::Which { properties, in_order }, self.finish(thing).pattern);
+            return (Task::Which { properties, in_order }, self.finish_target(thing).pattern);
         }
-        let is_up_to = self.tokens.last().is_some_and(|last| last.entry.limit.is_some());
+        let is_up_to = self.state.tokens.last().is_some_and(|last| last.entry.limit.is_some());
         if is_up_to && !self.is_end() {
             self.drop_last();
-            self.asks_doing = true;
+            self.state.asks_doing = true;
         }
         let label = self.last_interaction();
         let is_stranded = self.drop_stranded_preposition();
-        let mut pattern = self.finish(thing).pattern;
+        let mut pattern = self.finish_target(thing).pattern;
         if label.is_some() && pattern.pick.is_some() {
             identify(&mut pattern);
         }
@@ -124,7 +124,7 @@ impl Parser<'_> {
             pattern.conditions.push(related(kinds, object, Quantity::SOME));
         }
         let property = match pattern.category {
-            _ if self.asks_doing => Property::Action,
+            _ if self.state.asks_doing => Property::Action,
             _ if is_activity => Property::ObjectInteraction,
             Category::Person if is_stranded => Property::ObjectsAround,
             Category::Person => Property::Action,
@@ -135,7 +135,7 @@ impl Parser<'_> {
 
     /// Takes "holding" off the end of "what is the man next to the door holding": it is the man's.
     fn last_interaction(&mut self) -> Option<&'static String> {
-        let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
+        let last = self.state.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.object.as_ref()?;
         self.drop_last();
         Some(label)
@@ -143,7 +143,7 @@ impl Parser<'_> {
 
     /// Takes "talking" off the end of "who is the man talking".
     fn last_people_interaction(&mut self) -> Option<&'static String> {
-        let last = self.tokens.last().filter(|_| !self.is_end())?.entry;
+        let last = self.state.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.people.as_ref()?;
         self.drop_last();
         Some(label)
@@ -161,13 +161,13 @@ impl Parser<'_> {
         self.skip_while(COPULA);
         self.drop_stranded_preposition();
         let thing = self.target_noun_group();
-        let target = self.finish(thing);
+        let target = self.finish_target(thing);
         (Task::Which { properties, in_order }, target.pattern)
     }
 
     /// "to the man", "from me to the man", "between the man and the door" behind "the distance".
     fn distance_endpoints(&mut self) {
-        let start = self.at;
+        let start = self.state.at;
         while self.eat(Role::To) {
             if self.robot().is_none() {
                 return;
@@ -178,7 +178,7 @@ impl Parser<'_> {
                 return;
             }
             let message = "only distances from the robot are told, not between two things".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
         }
     }
 
@@ -186,21 +186,22 @@ impl Parser<'_> {
         let mut properties = Vec::new();
         while let Some(property) = self.entry().asks {
             properties.push(property);
-            self.at += 1;
+            self.bump();
             if self.eat(Role::Relative) {
                 self.eat(Role::To);
                 self.robot();
             }
-            let next = self.next_not_in(self.at, Roles::of(&[Role::Comma, Role::And, Role::The]));
+            let next =
+                self.next_not_in(self.state.at, Roles::of(&[Role::Comma, Role::And, Role::The]));
             if self.is_at(next, Role::Asks) {
-                self.at = next;
+                self.state.at = next;
             }
         }
         (properties, self.eat(Role::Order))
     }
 
     pub(crate) fn who(&mut self) -> (Task, Pattern) {
-        self.at += 1;
+        self.bump();
         let had_is = self.is(Role::Is) && !self.is(Role::Not);
         if had_is {
             self.skip_while(COPULA);
@@ -213,12 +214,12 @@ impl Parser<'_> {
         } else {
             None
         };
-        let Some(thing) = thing.filter(|_| !self.is_located_by_his_at(self.at)) else {
+        let Some(thing) = thing.filter(|_| !self.is_located_by_his_at(self.state.at)) else {
             return self.who_does();
         };
         let done =
             if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
-        let mut target = self.finish(thing);
+        let mut target = self.finish_target(thing);
         if let Some(label) = done {
             // "who is the man talking to": somebody who does it with him.
             let kinds = vec![RelationKind::Interaction(label.clone())];
@@ -231,14 +232,14 @@ impl Parser<'_> {
 
     /// Steps over "are you looking at": the robot looks at all.
     fn sees(&mut self) -> bool {
-        let is_sight = self.entry_at(self.at + 1).object.as_deref() == Some("looking at");
+        let is_sight = self.entry_at(self.state.at + 1).object.as_deref() == Some("looking at");
         let found = self.is(Role::Robot) && is_sight;
-        self.at += if found { 2 } else { 0 };
+        self.state.at += if found { 2 } else { 0 };
         found
     }
 
     /// "who is sitting", "who has a bag".
     fn who_does(&mut self) -> (Task, Pattern) {
-        (Task::Find, self.finish(NounGroup::default()).pattern)
+        (Task::Find, self.finish_target(NounGroup::default()).pattern)
     }
 }
