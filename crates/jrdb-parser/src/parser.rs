@@ -46,8 +46,10 @@ pub(crate) struct State<'t> {
     pub(crate) at: usize,
     /// What "him" can mean besides the partners of the entity that the clause describes.
     pub(crate) antecedent: Option<Rc<Pattern>>,
-    /// The last noun: what "the one" stands for.
+    /// The last noun: what "the one" stands for, where no list resumes an earlier noun.
     pub(crate) last_noun: Option<&'static Entry>,
+    /// The noun of what the question asks for: what "and the one" resumes.
+    pub(crate) head_noun: Option<&'static Entry>,
     /// The time of the slot that is being read.
     pub(crate) during: Option<[f64; 2]>,
     /// How many subjects are asked about together: "are the man and the woman sitting".
@@ -60,6 +62,8 @@ pub(crate) struct State<'t> {
     pub(crate) asks_several: bool,
     /// The partner of a walk is being read: "towards the door" behind it is where both go.
     pub(crate) is_walk: bool,
+    /// "between" or "except" is being read: "and the one" is one more of its entities.
+    pub(crate) is_closed_list: bool,
 }
 
 /// The complete state of a parser at one word, to return to.
@@ -82,6 +86,7 @@ impl<'t> Parser<'t> {
             at: 0,
             antecedent: None,
             last_noun: None,
+            head_noun: None,
             during: None,
             subjects: None,
             depth: 0,
@@ -89,6 +94,7 @@ impl<'t> Parser<'t> {
             asks_doing: false,
             asks_several: false,
             is_walk: false,
+            is_closed_list: false,
         };
         let (issues, slots) = (IssueLog::new(misspelled), Vec::new());
         let all = tokens.iter().fold(Roles::default(), |all, token| all.and(token.roles));
@@ -190,6 +196,17 @@ impl<'t> Parser<'t> {
     /// Makes a pattern what the following pronouns stand for; returns what it was before.
     pub(crate) fn set_antecedent(&mut self, pattern: &Pattern) -> Option<Rc<Pattern>> {
         self.state.antecedent.replace(Rc::new(truncated_antecedent(pattern)))
+    }
+
+    /// Makes the noun of a list what "the one" stands for in the rest of the list.
+    pub(crate) fn resume_noun(&mut self, noun: Option<&'static Entry>) {
+        self.state.last_noun = noun.or(self.state.last_noun);
+    }
+
+    /// Makes a noun the one that the question asks for.
+    pub(crate) fn begin_target(&mut self, noun: Option<&'static Entry>) {
+        self.state.head_noun = noun.or(self.state.head_noun);
+        self.resume_noun(noun);
     }
 
     pub(crate) fn push_slot(&mut self, slot: Slot) {
@@ -298,4 +315,65 @@ fn has_pronouns(tokens: &[Token]) -> bool {
     let is_slash = |at: usize| tokens.get(at).is_some_and(|t| t.roles.has(Role::Slash));
     (0..tokens.len())
         .any(|at| is_pronoun(&tokens[at]) && !is_slash(at + 1) && !is_slash(at.wrapping_sub(1)))
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Everything that a rewind must restore, for comparison. A new field of the state has no place
+    /// to hide: the pattern names them all.
+    pub(crate) fn snapshot(parser: &Parser<'_>) -> String {
+        let State {
+            tokens,
+            at,
+            antecedent,
+            last_noun,
+            head_noun,
+            during,
+            subjects,
+            depth,
+            is_timed,
+            asks_doing,
+            asks_several,
+            is_walk,
+            is_closed_list,
+        } = &parser.state;
+        let nouns = [last_noun, head_noun].map(|noun| noun.map(std::ptr::from_ref));
+        let flags = [is_timed, asks_doing, asks_several, is_walk, is_closed_list];
+        let lists = (parser.issues.len(), parser.slots.len());
+        let words = tokens.len();
+        format!(
+            "{words} {at} {antecedent:?} {nouns:?} {during:?} {subjects:?} {depth} {flags:?} {lists:?}"
+        )
+    }
+
+    /// Runs a check on a parser at the first word of a text.
+    pub(crate) fn with_parser(text: &str, check: impl FnOnce(Parser<'_>)) {
+        let (mut tokens, config) = (Tokens::new(), ParserConfig::default());
+        tokenize(text, &mut tokens, &mut Vec::new());
+        check(Parser::new(text, &config, &tokens, Vec::new()));
+    }
+
+    #[test]
+    fn a_rewind_restores_the_complete_state() {
+        with_parser("the man near a chair and the one next to him", |mut parser| {
+            let before = snapshot(&parser);
+            let checkpoint = parser.checkpoint();
+            parser.report_unused();
+            parser.set_antecedent(&Pattern::default());
+            parser.begin_target(Some(parser.entry()));
+            parser.push_slot(Slot { during_s: None, conditions: Vec::new() });
+            parser.drop_last();
+            parser.state.during = Some([0.0, 1.0]);
+            parser.state.subjects = Some(2);
+            parser.state.depth += 1;
+            (parser.state.is_timed, parser.state.asks_doing) = (true, true);
+            (parser.state.asks_several, parser.state.is_walk) = (true, true);
+            parser.state.is_closed_list = true;
+            assert_ne!(snapshot(&parser), before);
+            parser.rewind(checkpoint);
+            assert_eq!(snapshot(&parser), before);
+        });
+    }
 }

@@ -6,6 +6,8 @@ use jrdb_types::{Direction, DistanceWord, Pattern};
 
 use smallvec::SmallVec;
 
+use crate::lexicon::Entry;
+
 /// How much of what follows belongs to a thing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
@@ -32,6 +34,8 @@ pub(crate) enum After {
 #[derive(Debug, Default)]
 pub(crate) struct NounGroup {
     pub(crate) pattern: Pattern,
+    /// Its noun, or the one that "the one" stands for.
+    pub(crate) noun: Option<&'static Entry>,
     /// "at least two", "no".
     pub(crate) quantity: Option<Quantity>,
     /// "two", with the place of the word.
@@ -61,6 +65,7 @@ impl NounGroup {
 #[derive(Debug, Default)]
 pub(crate) struct Partner {
     pub(crate) pattern: Pattern,
+    pub(crate) noun: Option<&'static Entry>,
     pub(crate) quantity: Quantity,
     /// "every chair" was said.
     pub(crate) is_all: bool,
@@ -69,6 +74,7 @@ pub(crate) struct Partner {
 /// One of several things, with what is said behind its noun.
 pub(crate) struct Part {
     pub(crate) pattern: Pattern,
+    pub(crate) noun: Option<&'static Entry>,
     /// How many conditions stand before or in its noun.
     pub(crate) head: usize,
     /// The place of its first word, and of the first word behind its noun.

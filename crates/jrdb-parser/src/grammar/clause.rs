@@ -257,6 +257,12 @@ impl Parser<'_> {
         if self.is(Role::But) && self.is_thing_next() {
             return self.except(pattern);
         }
+        let not = self.state.at + 1;
+        if self.is_at(not, Role::Not) && self.is_head_resumed(not) {
+            // "But not the one on the table" excepts that one.
+            self.bump();
+            return self.except(pattern);
+        }
         if self.is_thing_next() && !(clause.is_clause && self.is_next_located_by_his()) {
             return false;
         }
@@ -296,7 +302,7 @@ impl Parser<'_> {
         let checkpoint = self.checkpoint();
         self.bump();
         self.skip_while(Roles::of(&[Role::Who, Role::Is, Role::Filler, Role::Either]));
-        if !self.nested(|parser| parser.predicates(pattern)) {
+        if !self.nested(|parser| parser.conditions(pattern)) {
             self.rewind(checkpoint);
             if clause.scope == Scope::Top {
                 self.report_unused();

@@ -6,7 +6,7 @@ use jrdb_types::query::Category;
 use jrdb_types::{Condition, Pattern};
 
 use crate::grammar::noun::NOUN_START;
-use crate::lexicon::{Role, Roles};
+use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{either, set_count, truncated_antecedent};
 use crate::phrase::{Partner, Scope};
@@ -29,9 +29,12 @@ impl Parser<'_> {
             return self.pronoun().map(|pattern| Partner { pattern, ..Partner::default() });
         }
         let Some(thing) = self.noun_group() else { return self.unknown_noun() };
-        let (quantity, is_all) = (thing.how_many(), thing.is_all);
+        let (quantity, is_all, noun) = (thing.how_many(), thing.is_all, thing.noun);
+        let head = self.state.head_noun;
+        self.state.head_noun = head.or(noun);
         let pattern = self.with_modifiers(thing.pattern, thing.count);
-        Some(Partner { pattern, quantity, is_all })
+        self.state.head_noun = head;
+        Some(Partner { pattern, noun, quantity, is_all })
     }
 
     /// "me", "the robot", "me (the robot)".
@@ -118,7 +121,9 @@ impl Parser<'_> {
         mut pattern: Pattern,
         count: Option<(u32, usize)>,
     ) -> Pattern {
+        let outer = std::mem::take(&mut self.state.is_closed_list);
         self.nested(|parser| parser.clauses(&mut pattern, Scope::Reduced));
+        self.state.is_closed_list = outer;
         set_count(&mut pattern, count);
         pattern
     }
@@ -129,31 +134,23 @@ impl Parser<'_> {
         self.eat(Role::Either);
         let mut partners: Vec<Partner> = self.nested(Self::partner).into_iter().collect();
         let mut alternatives: Vec<Pattern> = Vec::new();
-        while let (Some(last), false) = (partners.last_mut(), self.is_end()) {
+        while let Some(last) = partners.last_mut() {
             let is_or = self.is(Role::Or);
-            if !is_or && !self.is(Role::And) || !self.is_more(&last.pattern) {
+            if !(is_or || self.is(Role::And)) || !self.is_more(&last.pattern) {
                 break;
             }
-            self.bump();
-            let pronoun = self.has_pronouns.then(|| Rc::new(truncated_antecedent(&last.pattern)));
+            let Some(next) = self.next_partner(last) else { break };
+            if is_or || !alternatives.is_empty() {
+                alternatives.push(std::mem::take(&mut last.pattern));
+            }
             if is_or {
-                alternatives.push(std::mem::take(&mut last.pattern));
-            } else if !alternatives.is_empty() {
-                alternatives.push(std::mem::take(&mut last.pattern));
+                (last.pattern, last.noun) = (next.pattern, next.noun);
+                continue;
+            }
+            if !alternatives.is_empty() {
                 last.pattern = either(std::mem::take(&mut alternatives));
             }
-            let outer = std::mem::replace(&mut self.state.antecedent, pronoun);
-            let next = self.nested(Self::partner);
-            self.state.antecedent = outer;
-            match (next, partners.last_mut()) {
-                (Some(next), Some(last)) if is_or => last.pattern = next.pattern,
-                (Some(next), _) => partners.push(next),
-                (None, Some(last)) if is_or => {
-                    last.pattern = alternatives.pop().unwrap_or_default();
-                    break;
-                }
-                (None, _) => break,
-            }
+            partners.push(next);
         }
         if let (Some(last), false) = (partners.last_mut(), alternatives.is_empty()) {
             alternatives.push(std::mem::take(&mut last.pattern));
@@ -169,8 +166,64 @@ impl Parser<'_> {
         partners
     }
 
+    /// The partner behind the joint at hand; pronouns in it stand for the one before.
+    fn next_partner(&mut self, last: &Partner) -> Option<Partner> {
+        let checkpoint = self.checkpoint();
+        self.bump();
+        self.resume_noun(last.noun);
+        let pronoun = self.has_pronouns.then(|| Rc::new(truncated_antecedent(&last.pattern)));
+        let outer = std::mem::replace(&mut self.state.antecedent, pronoun);
+        let next = self.nested(Self::partner);
+        self.state.antecedent = outer;
+        if next.is_none() {
+            self.rewind(checkpoint);
+        }
+        next
+    }
+
+    /// The noun that "the one" just read stands for: the last one, unless only a person does what
+    /// follows.
+    pub(crate) fn noun_of_one(&self) -> Option<&'static Entry> {
+        let (last, at) = (self.state.last_noun, self.state.at);
+        let fits = |noun: &&'static Entry| !self.is_about_person_at(at) || is_person(noun);
+        last.filter(fits).or_else(|| self.state.head_noun.filter(fits))
+    }
+
+    /// The position behind "the one" that follows a joint.
+    fn after_one(&self, joint: usize) -> Option<usize> {
+        const DETERMINERS: Roles = Roles::of(&[Role::The, Role::All, Role::Filler]);
+        let mut one = joint + 1;
+        while self.roles_at(one).has_any(DETERMINERS) && !self.is_at(one, Role::One) {
+            one += 1;
+        }
+        let is_one = self.is_at(one, Role::One) && !self.is_noun_ahead(one + 1);
+        is_one.then_some(one + 1)
+    }
+
+    /// Whether "the one" behind a joint resumes the noun that the question asks for: "the
+    /// woman left of the chair and the one sitting".
+    pub(crate) fn is_head_resumed(&self, joint: usize) -> bool {
+        let Some(head) = self.state.head_noun.filter(|_| !self.state.is_closed_list) else {
+            return false;
+        };
+        self.after_one(joint).is_some_and(|at| is_person(head) || !self.is_about_person_at(at))
+    }
+
+    /// Whether only a person does what is said at a position: "sitting", "who".
+    fn is_about_person_at(&self, at: usize) -> bool {
+        const OF_PEOPLE: Roles = Roles::of(&[Role::Action, Role::Interaction, Role::Whose]);
+        let roles = self.roles_at(at);
+        let is_who = roles.has(Role::Who) && !roles.has_any(Roles::of(&[Role::Which, Role::The]));
+        is_who || roles.has_any(OF_PEOPLE)
+    }
+
     /// Whether the word behind "and" begins another thing of the same sort, that nothing else claims.
     fn is_more(&self, last: &Pattern) -> bool {
+        if let Some(after) = self.after_one(self.state.at) {
+            let is_person = matches!(last.category, Category::Person | Category::Anything);
+            return !self.is_head_resumed(self.state.at)
+                && (is_person || !self.is_about_person_at(after));
+        }
         let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::The, Role::A]));
         let is_robot = self.is_at(next, Role::Robot);
         let has_article = next > self.state.at + 1;
@@ -208,7 +261,8 @@ impl Parser<'_> {
         );
         let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Implies)
             || self.is_at(next, Role::Implies) && self.is_noun_ahead(next);
-        (next > start || is_plain) && self.noun_at(next).is_some()
+        let is_noun = (next > start || is_plain) && self.noun_at(next).is_some();
+        is_noun || self.after_one(self.state.at).is_some()
     }
 
     /// Whether the next thing behind the joint at hand is told to be at his left.
@@ -225,4 +279,8 @@ impl Parser<'_> {
         let next = self.next_not_in(self.state.at + 1, LIST);
         self.is_located_by_his_at(next)
     }
+}
+
+fn is_person(noun: &Entry) -> bool {
+    noun.category == Some(Category::Person)
 }

@@ -24,6 +24,14 @@ impl Parser<'_> {
         partners
     }
 
+    /// Partners of "between" or "except": "and the one" among them is one more of them.
+    pub(crate) fn closed_list(&mut self, subject: &Pattern) -> Vec<Partner> {
+        let outer = std::mem::replace(&mut self.state.is_closed_list, true);
+        let partners = self.partners_of(subject);
+        self.state.is_closed_list = outer;
+        partners
+    }
+
     /// What the subject does, alone or with others.
     pub(crate) fn activity(&mut self, pattern: &mut Pattern) -> bool {
         let (entry, at) = (self.entry(), self.state.at);
@@ -215,13 +223,13 @@ impl Parser<'_> {
         if !self.eat(Role::Between) {
             return false;
         }
-        let mut ends = self.partners_of(pattern);
+        let mut ends = self.closed_list(pattern);
         let (first, second) = match ends.len() {
             2 => (ends.remove(0).pattern, ends.remove(0).pattern),
             1 if self.is(Role::And) => {
                 let first = ends.remove(0).pattern;
                 self.bump();
-                let mut rest = self.partners_of(pattern);
+                let mut rest = self.closed_list(pattern);
                 if rest.is_empty() {
                     self.rewind(checkpoint);
                     return false;

@@ -346,9 +346,11 @@ impl Parser<'_> {
             thing.pattern.category = category.clone();
             thing.pattern.conditions.extend(entry.implies.iter().cloned());
             self.state.last_noun = Some(entry);
+            thing.noun = Some(entry);
         } else {
             thing.is_pronoun = true;
-            if let Some(noun) = self.state.last_noun {
+            thing.noun = self.noun_of_one();
+            if let Some(noun) = thing.noun {
                 thing.pattern.category = noun.category.clone().unwrap_or_default();
                 thing.pattern.conditions.extend(noun.implies.iter().cloned());
             }

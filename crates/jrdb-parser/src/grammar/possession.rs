@@ -155,7 +155,8 @@ impl Parser<'_> {
             }
             found = true;
             let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
-            if !is_more || !self.is_thing_next() || self.is_next_located_by_his() {
+            let is_claimed = self.is_next_located_by_his() || self.is_head_resumed(self.state.at);
+            if !is_more || !self.is_thing_next() || is_claimed {
                 break;
             }
             if pattern.conditions.len() - length == 1 && self.is_person_next() {

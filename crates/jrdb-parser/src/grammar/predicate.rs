@@ -41,6 +41,19 @@ impl Parser<'_> {
         true
     }
 
+    /// [`Self::predicates`] as conditions only: in "not the tallest" and "sitting or the tallest" the
+    /// choice is one condition among others, and chooses nothing by itself.
+    pub(crate) fn conditions(&mut self, pattern: &mut Pattern) -> bool {
+        let outer = pattern.pick.take();
+        let found = self.predicates(pattern);
+        if let Some(pick) = std::mem::replace(&mut pattern.pick, outer) {
+            let all = Pattern::of(pattern.category.clone());
+            let chosen = Pattern { pick: Some(pick), ..all };
+            pattern.conditions.push(Condition::Is(Box::new(chosen)));
+        }
+        found
+    }
+
     /// One thing said of the subject.
     pub(crate) fn predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
         let roles = self.roles();
@@ -157,7 +170,7 @@ impl Parser<'_> {
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         self.bump();
         self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
-        if !self.nested(|parser| parser.predicates(pattern)) {
+        if !self.nested(|parser| parser.conditions(pattern)) {
             self.rewind(checkpoint);
             return false;
         }
@@ -168,7 +181,7 @@ impl Parser<'_> {
         while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
             let checkpoint = self.checkpoint();
             self.bump();
-            if !self.nested(|parser| parser.predicates(pattern)) {
+            if !self.nested(|parser| parser.conditions(pattern)) {
                 self.rewind(checkpoint);
                 break;
             }
@@ -184,7 +197,7 @@ impl Parser<'_> {
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         while self.eat(Role::Neither) || pattern.conditions.len() > start && self.eat(Role::Or) {
             let length = pattern.conditions.len();
-            if !self.nested(|parser| parser.predicates(pattern)) {
+            if !self.nested(|parser| parser.conditions(pattern)) {
                 break;
             }
             if pattern.conditions.len() == length {
@@ -204,8 +217,9 @@ impl Parser<'_> {
     pub(crate) fn except(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
         self.bump();
+        self.resume_noun(self.state.head_noun);
         let category = pattern.category.clone();
-        let partners = self.partners_of(pattern);
+        let partners = self.closed_list(pattern);
         if partners.is_empty() {
             self.rewind(checkpoint);
             return false;

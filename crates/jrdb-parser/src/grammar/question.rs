@@ -211,7 +211,8 @@ impl Parser<'_> {
 
     /// Reads what is said behind the noun, and alternatives: "the man or the woman next to him".
     pub(crate) fn finish_target(&mut self, thing: NounGroup) -> Target {
-        let mut pattern = thing.pattern;
+        self.begin_target(thing.noun);
+        let (mut pattern, noun) = (thing.pattern, thing.noun);
         let (start, told) = (thing.start, self.state.at);
         let head = self.clauses(&mut pattern, Scope::Top);
         if self.state.is_timed {
@@ -222,7 +223,7 @@ impl Parser<'_> {
             self.choice(&mut pattern);
         }
         let pattern = if self.roles().has_any(JOINTS) && self.is_thing_next() {
-            self.others(Part { pattern, head, start, told, is_joined: true })
+            self.others(Part { pattern, noun, head, start, told, is_joined: true })
         } else {
             pattern
         };
@@ -237,19 +238,28 @@ impl Parser<'_> {
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
             let is_joined = !self.is(Role::Or);
             is_list &= self.is(Role::Comma) && !self.roles_at(self.state.at + 1).has_any(JOINTS);
+            let checkpoint = self.checkpoint();
             self.bump();
-            if self.has_pronouns {
-                self.state.antecedent = None;
-                if let Some(last) = parts.last() {
+            if let Some(last) = parts.last() {
+                self.begin_target(last.noun);
+                if self.has_pronouns {
                     self.set_antecedent(&last.pattern);
                 }
             }
             let start = self.state.at;
-            let Some(NounGroup { mut pattern, count, .. }) = self.noun_group() else { break };
+            let Some(NounGroup { mut pattern, noun, count, is_pronoun, .. }) = self.noun_group()
+            else {
+                self.rewind(checkpoint);
+                break;
+            };
+            if is_pronoun && parts.last().is_some_and(is_beside_person) {
+                self.report_resumed(start);
+            }
+            self.begin_target(noun);
             let (head, told) = (pattern.conditions.len(), self.state.at);
             self.clauses(&mut pattern, Scope::Top);
             set_count(&mut pattern, count);
-            parts.push(Part { pattern, head, start, told, is_joined });
+            parts.push(Part { pattern, noun, head, start, told, is_joined });
         }
         if is_list {
             let message = "read as a list of things, each of which is meant".into();
@@ -258,12 +268,20 @@ impl Parser<'_> {
         self.one_of(parts)
     }
 
+    /// Reports "the one" that might also stand for one more person beside the one before.
+    fn report_resumed(&mut self, start: usize) {
+        let message = "read as one more of those asked for, not as one more beside them".into();
+        self.report(IssueKind::Ambiguous, start, self.state.at, message);
+    }
+
     /// ", the man or the woman" behind "which person is taller": from whom is chosen.
     pub(crate) fn choice(&mut self, pattern: &mut Pattern) {
         let mut things = Vec::new();
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
             self.bump();
+            self.resume_noun(self.state.head_noun);
             let Some(thing) = self.noun_group() else { break };
+            self.begin_target(thing.noun);
             things.push(self.with_modifiers(thing.pattern, thing.count));
         }
         let choice = either(things);
@@ -338,4 +356,15 @@ impl Parser<'_> {
         let than = Box::new(second.pattern);
         (Task::CompareCounts { order, than }, first.pattern)
     }
+}
+
+/// Whether the last thing said of a person is a relation to another person.
+fn is_beside_person(part: &Part) -> bool {
+    let Some(Condition::Related(related)) =
+        part.pattern.conditions.get(part.head..).and_then(<[_]>::last)
+    else {
+        return false;
+    };
+    let is_person = |category: &Category| *category == Category::Person;
+    is_person(&part.pattern.category) && is_person(&related.partner.category)
 }

@@ -6,7 +6,7 @@ use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{identify, related, set_count, split_from};
+use crate::pattern::{alternative, any_of, identify, related, set_count, split_from};
 use crate::phrase::{After, NounGroup, Target};
 
 /// What begins a place that may belong to the subject.
@@ -27,10 +27,14 @@ const PLACES: Roles = Roles::of(&[
 const CLAUSE_ENDS: Roles =
     Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Then, Role::During, Role::Is]);
 
+/// What can begin "a woman" behind "is the tallest person".
+const COMPLEMENT_START: Roles = Roles::of(&[Role::The, Role::A, Role::Noun]);
+
 impl Parser<'_> {
     /// Reads the rest of "is the tallest person near the door sitting": the places are the subject's, unless nothing
     /// follows them. Then they are what is asked.
     pub(crate) fn predicate_of(&mut self, mut thing: NounGroup) -> Target {
+        self.begin_target(thing.noun);
         set_count(&mut thing.pattern, thing.count);
         let mut subject = thing.pattern.conditions.len();
         let mut picks_last = false;
@@ -76,13 +80,19 @@ impl Parser<'_> {
         !self.is_end() && self.predicate(pattern, After::Noun)
     }
 
-    /// "a woman", "the tallest" behind the subject of a question.
+    /// "a woman", "the tallest", "a man or a woman" behind the subject of a question.
     fn subject_complement(&mut self, pattern: &mut Pattern) {
-        let checkpoint = self.checkpoint();
-        if !self.roles().has_any(Roles::of(&[Role::The, Role::A, Role::Noun])) {
+        if !self.roles().has_any(COMPLEMENT_START) {
             return;
         }
-        match self.noun_group() {
+        let checkpoint = self.checkpoint();
+        if let Some(condition) = self.alternative_complements(&pattern.category) {
+            pattern.conditions.push(condition);
+            return;
+        }
+        self.rewind(checkpoint);
+        let checkpoint = self.checkpoint();
+        match self.complement_noun(&pattern.category) {
             Some(thing) if thing.pattern.category != pattern.category => self.rewind(checkpoint),
             Some(thing) if thing.pattern.pick.is_some() => {
                 pattern.conditions.push(Condition::Is(Box::new(thing.pattern)));
@@ -90,6 +100,47 @@ impl Parser<'_> {
             Some(thing) => pattern.conditions.extend(thing.pattern.conditions),
             None => self.rewind(checkpoint),
         }
+    }
+
+    /// A noun group in which "the one" stands for the subject's noun and so adds nothing to it.
+    fn complement_noun(&mut self, subject: &Category) -> Option<NounGroup> {
+        self.state.last_noun = None;
+        let head = self.state.head_noun.take();
+        let mut thing = self.noun_group();
+        self.begin_target(head);
+        if let Some(thing) = thing.as_mut().filter(|thing| thing.is_pronoun) {
+            thing.pattern.category = subject.clone();
+        }
+        thing
+    }
+
+    /// "a man or the one who is sitting": one condition of the subject, and not another subject.
+    fn alternative_complements(&mut self, category: &Category) -> Option<Condition> {
+        let is_or_ahead =
+            (self.state.at..self.state.tokens.len()).any(|at| self.is_at(at, Role::Or));
+        if !is_or_ahead {
+            return None;
+        }
+        let mut alternatives = vec![self.complement(category)?];
+        while self.is(Role::Or) && self.is_thing_next() {
+            let checkpoint = self.checkpoint();
+            self.bump();
+            let Some(next) = self.complement(category) else {
+                self.rewind(checkpoint);
+                break;
+            };
+            alternatives.push(next);
+        }
+        (alternatives.len() > 1).then(|| any_of(alternatives))
+    }
+
+    /// What the subject must be to be the thing at hand; "the one" stands for the subject's noun.
+    fn complement(&mut self, category: &Category) -> Option<Condition> {
+        let thing = self.complement_noun(category)?;
+        let is_pronoun = thing.is_pronoun;
+        let pattern = self.with_modifiers(thing.pattern, thing.count);
+        let is_bare = is_pronoun && pattern.conditions.is_empty() && pattern.pick.is_none();
+        (!is_bare).then(|| alternative(pattern, category))
     }
 
     /// "the man is talking to" behind "the woman", "is the man carrying" behind "which box": what somebody else does with

@@ -35,13 +35,16 @@ impl Parser<'_> {
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let (measured, order) = self.entry().order?;
         self.bump();
-        let from = if measured == Measured::Distance { self.distance_reference() } else { None };
+        let mut from = None;
+        if measured == Measured::Distance {
+            self.eat(Role::Side);
+            from = self.distance_reference();
+        }
         Some(Pick { measure: measure(measured, from), order, rank, count })
     }
 
     /// The thing of "to the door" behind "closest".
     pub(crate) fn distance_reference(&mut self) -> Option<Pattern> {
-        self.eat(Role::Side);
         let next = self.next_not_in(self.state.at, LINK);
         if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
             return None;
@@ -194,9 +197,11 @@ impl Parser<'_> {
         }
         let Some(pick) = &mut thing.pattern.pick else { return };
         let is_default = |p: &Pattern| p.category == Category::Robot;
-        if matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from))
-            && let Some(from) = self.distance_reference()
-        {
+        if !matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from)) {
+            return;
+        }
+        self.eat(Role::Side);
+        if let Some(from) = self.distance_reference() {
             pick.measure = Measure::DistanceTo(Box::new(from));
         }
     }
