@@ -20,7 +20,7 @@ use crate::token::{Token, Tokens, tokenize};
 const DEPTH_MAX: u32 = 16;
 
 /// "his" and "him".
-pub(crate) const PRONOUNS: Roles = Roles::of(&[Role::His, Role::Him]);
+const PRONOUNS: Roles = Roles::of(&[Role::His, Role::Him]);
 
 /// The words of a question, the state of the parser, and what it has produced so far.
 pub(crate) struct Parser<'t> {

@@ -60,16 +60,21 @@ fn levels_of(condition: &Condition) -> usize {
     }
 }
 
-/// Makes one condition of the last and the one before it, when "or" is between them or nothing can be both.
-pub(crate) fn join(conditions: &mut Vec<Condition>, length: usize, is_or: bool) {
-    if length == 0 || conditions.len() != length + 1 {
-        return;
+/// Makes alternatives of the condition at `length` and the one before it.
+pub(crate) fn join_alternative(conditions: &mut Vec<Condition>, length: usize) {
+    if length > 0 && conditions.len() == length + 1 {
+        let parts = split_from(conditions, length.saturating_sub(1));
+        conditions.push(any_of(parts));
     }
-    if !(is_or || excludes(&conditions[length - 1], &conditions[length])) {
-        return;
+}
+
+/// Makes alternatives of the condition at `length` and the one before it if nothing can be both:
+/// "young and elderly people".
+pub(crate) fn join_exclusive(conditions: &mut Vec<Condition>, length: usize) {
+    let pair = length.checked_sub(1).and_then(|first| conditions.get(first..));
+    if matches!(pair, Some([first, second]) if excludes(first, second)) {
+        join_alternative(conditions, length);
     }
-    let parts = split_from(conditions, length.saturating_sub(1));
-    conditions.push(any_of(parts));
 }
 
 /// Whether no thing can be both: two ages, two deeds of the body, two directions.

@@ -1,6 +1,6 @@
 //! What the productions hand to each other: noun phrases, partners, places.
 
-use jrdb_types::query::{Interval, Place, Quantity};
+use jrdb_types::query::{Interval, Place, Quantity, RelationKind, Viewpoint};
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Direction, DistanceWord, Pattern};
 
@@ -135,6 +135,20 @@ impl LocationPhrase {
         Extent { places: self.places.len(), bare_distance: self.bare_distance, sided: self.sided }
     }
 
+    /// The relations to the entity that the places are relative to. A distance is the same from both
+    /// sides: it goes with the partner, or with the subject that has the partner.
+    pub(crate) fn kinds(&self, viewpoint: Viewpoint) -> Vec<RelationKind> {
+        let of_distance = match viewpoint {
+            Viewpoint::Subject => Viewpoint::Subject,
+            Viewpoint::Partner | Viewpoint::Robot => Viewpoint::Partner,
+        };
+        let kind = |place: &Place| {
+            let viewpoint = if is_distance(place) { of_distance } else { viewpoint };
+            RelationKind::Placed { place: *place, viewpoint }
+        };
+        self.places.iter().map(kind).collect()
+    }
+
     /// Drops what was read since; the reference is left to the caller.
     pub(crate) fn cut_back(&mut self, extent: Extent) {
         self.places.truncate(extent.places);
@@ -205,4 +219,8 @@ pub(crate) enum Reference {
 
 pub(crate) fn is_robot(partner: &Partner) -> bool {
     partner.pattern.category == jrdb_types::query::Category::Robot
+}
+
+pub(crate) fn is_distance(place: &Place) -> bool {
+    matches!(place, Place::Distance(_) | Place::Metres(_))
 }

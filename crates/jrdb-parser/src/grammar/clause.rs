@@ -10,10 +10,10 @@ use crate::parser::Parser;
 use crate::pattern::{all_of, any_of, excludes, identify, split_from};
 use crate::phrase::{After, Scope};
 
-/// Where the reader of clauses stands.
+/// How far the clauses of one noun have been read.
 struct ClauseState {
     scope: Scope,
-    /// First condition of the thing asked for that slots may take.
+    /// First condition of the target that slots may take.
     head: usize,
     /// First condition of what "or" is an alternative to.
     group: usize,
@@ -23,14 +23,54 @@ struct ClauseState {
     is_listed: bool,
     /// "and" was read since the last predicate.
     is_joined: bool,
-    /// An alternative was read since the last predicate: the next one stands beside all of them.
+    /// An alternative was read since the last predicate: the next one applies beside all of them.
     is_alternative: bool,
     /// "who" or "is" was read.
     is_clause: bool,
     predicates: usize,
-    /// The noun of the thing.
     noun: Option<&'static Entry>,
 }
+
+impl ClauseState {
+    fn new(scope: Scope, head: usize, noun: Option<&'static Entry>) -> Self {
+        Self {
+            scope,
+            head,
+            group: head,
+            run: None,
+            is_listed: false,
+            is_joined: false,
+            is_alternative: false,
+            is_clause: false,
+            predicates: 0,
+            noun,
+        }
+    }
+
+    /// What the next predicate stands behind.
+    fn position(&self) -> After {
+        match (self.is_clause, self.scope) {
+            (true, _) => After::Verb,
+            (false, Scope::Reduced) => After::Partner,
+            (false, _) => After::Noun,
+        }
+    }
+}
+
+/// Words that may begin or end a clause, or join two.
+const JOINTS: Roles = Roles::of(&[
+    Role::Comma,
+    Role::And,
+    Role::Or,
+    Role::Who,
+    Role::Whose,
+    Role::Is,
+    Role::Then,
+    Role::During,
+    Role::Than,
+    Role::Order,
+    Role::Has,
+]);
 
 /// Words that say nothing between predicates.
 const GLUE: Roles = Roles::of(&[Role::Filler, Role::Slash, Role::Exists]);
@@ -43,40 +83,16 @@ const OTHERS: Roles =
 const ENDS: Roles = Roles::of(&[Role::Than, Role::Order]);
 
 impl Parser<'_> {
-    /// Reads what is said of a thing into its conditions; returns how many of them are not said in the clauses.
+    /// Reads the clauses behind a noun into its conditions. Returns how many of the conditions come
+    /// from before them.
     pub(crate) fn clauses(&mut self, pattern: &mut Pattern, scope: Scope) -> usize {
-        let head = pattern.conditions.len();
-        let mut clause = ClauseState {
-            scope,
-            head,
-            group: head,
-            run: None,
-            is_listed: false,
-            is_joined: false,
-            is_alternative: false,
-            is_clause: false,
-            predicates: 0,
-            noun: self.state.last_noun,
-        };
+        let mut clause = ClauseState::new(scope, pattern.conditions.len(), self.state.last_noun);
         while !self.is_end() && self.predicate_or_joint(pattern, &mut clause) {}
         clause.head
     }
 
-    /// One predicate or joint; false when what is at hand belongs to somebody else.
+    /// One predicate or joint; false if the word at hand belongs to another entity.
     fn predicate_or_joint(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
-        const JOINTS: Roles = Roles::of(&[
-            Role::Comma,
-            Role::And,
-            Role::Or,
-            Role::Who,
-            Role::Whose,
-            Role::Is,
-            Role::Then,
-            Role::During,
-            Role::Than,
-            Role::Order,
-            Role::Has,
-        ]);
         let roles = self.roles();
         let is_first = clause.predicates == 0 && !clause.is_clause;
         if is_first && roles.has_any(OTHERS) && self.object_relative(pattern) {
@@ -88,44 +104,55 @@ impl Parser<'_> {
         {
             return goes_on;
         }
-        let (before, start) = (pattern.conditions.len(), self.state.at);
-        let is_word = roles.has(Role::Implies);
-        let after = match (clause.is_clause, clause.scope) {
-            (true, _) => After::Verb,
-            (false, Scope::Reduced) => After::Partner,
-            (false, _) => After::Noun,
-        };
-        if after == After::Partner && self.is_said_of_subject(pattern) {
+        let after = clause.position();
+        if after == After::Partner && self.belongs_to_subject(pattern) {
             return false;
         }
-        if self.predicate(pattern, after) {
-            clause.predicates += 1;
-            if std::mem::take(&mut clause.is_alternative) {
-                clause.group = before;
-            }
-            if std::mem::take(&mut clause.is_joined) {
-                self.split_exclusive(pattern, before, start);
-            }
-            let is_single = is_word && pattern.conditions.len() == before + 1;
-            clause.run = match clause.run.filter(|_| clause.is_listed && is_single) {
-                None => is_single.then_some(before),
-                run => run,
-            };
-            clause.is_listed = false;
-            return true;
+        self.clause_predicate(pattern, clause, after) || self.stray_word(clause)
+    }
+
+    fn clause_predicate(
+        &mut self,
+        pattern: &mut Pattern,
+        clause: &mut ClauseState,
+        after: After,
+    ) -> bool {
+        let (before, start) = (pattern.conditions.len(), self.state.at);
+        let is_word = self.is(Role::Implies);
+        if !self.predicate(pattern, after) {
+            return false;
         }
-        if roles.has_any(GLUE) || clause.scope == Scope::Top && roles.has(Role::Located) {
+        clause.predicates += 1;
+        if std::mem::take(&mut clause.is_alternative) {
+            clause.group = before;
+        }
+        if std::mem::take(&mut clause.is_joined) {
+            self.split_exclusive(pattern, before, start);
+        }
+        let is_single = is_word && pattern.conditions.len() == before + 1;
+        clause.run = match clause.run.filter(|_| clause.is_listed && is_single) {
+            None => is_single.then_some(before),
+            run => run,
+        };
+        clause.is_listed = false;
+        true
+    }
+
+    /// Consumes a word that no predicate begins with; false where an outer clause may use it.
+    fn stray_word(&mut self, clause: &ClauseState) -> bool {
+        let is_top = clause.scope == Scope::Top;
+        if self.roles().has_any(GLUE) || is_top && self.is(Role::Located) {
             self.bump();
             return true;
         }
-        if clause.scope == Scope::Top {
+        if is_top {
             self.report_unused();
-            return true;
         }
-        false
+        is_top
     }
 
-    /// Steps over a joint; none when the word at hand is none after all.
+    /// Reads a joint and returns whether the clause goes on; none if the word at hand is not a joint
+    /// after all.
     fn joint(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> Option<bool> {
         let (roles, is_top) = (self.roles(), clause.scope == Scope::Top);
         if roles.has_any(ENDS) {
@@ -142,18 +169,7 @@ impl Parser<'_> {
             return (!is_top || self.during()).then_some(is_top);
         }
         if roles.has(Role::Comma) {
-            // "men, women and children"; "which is taller, the man or the woman".
-            let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
-            if is_list && self.is_thing_next() && !self.is_next_located_by_his() {
-                return Some(false);
-            }
-            let goes_on =
-                is_top || clause.scope == Scope::Relative && self.is_list_of_words(clause);
-            if goes_on {
-                (clause.is_listed, clause.group) = (true, pattern.conditions.len());
-                self.bump();
-            }
-            return Some(goes_on);
+            return Some(self.comma(pattern, clause));
         }
         if roles.has(Role::And) {
             return Some(self.and(pattern, clause));
@@ -162,19 +178,29 @@ impl Parser<'_> {
             return Some(self.or(pattern, clause));
         }
         if roles.has(Role::Whose) {
-            return Some(
-                self.whose(pattern)
-                    || is_top && {
-                        self.report_unused();
-                        true
-                    },
-            );
+            return Some(self.whose(pattern) || self.stray_word(clause));
         }
         self.copula(pattern, clause)
     }
 
+    /// A comma, unless it continues a list of entities: "men, women and children"; "which is taller,
+    /// the man or the woman".
+    fn comma(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
+        let is_top = clause.scope == Scope::Top;
+        let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
+        if is_list && self.is_thing_next() && !self.is_next_located_by_his() {
+            return false;
+        }
+        let goes_on = is_top || clause.scope == Scope::Relative && self.is_list_of_words(clause);
+        if goes_on {
+            (clause.is_listed, clause.group) = (true, pattern.conditions.len());
+            self.bump();
+        }
+        goes_on
+    }
+
     /// Whether what is at hand is said of the thing that this one is a partner of.
-    fn is_said_of_subject(&self, pattern: &Pattern) -> bool {
+    fn belongs_to_subject(&self, pattern: &Pattern) -> bool {
         self.is_located_by_his_at(self.state.at)
             || self.state.is_walk && self.is(Role::Towards)
             || self.is_said_of_people_only(pattern)

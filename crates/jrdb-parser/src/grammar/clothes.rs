@@ -8,7 +8,7 @@ use jrdb_types::{Condition, Pattern};
 use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Garment, Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, any_of, join, split_from};
+use crate::pattern::{all_of, any_of, join_alternative, split_from};
 
 /// What may stand before clothes.
 pub(crate) const CLOTHES_START: Roles =
@@ -23,6 +23,13 @@ const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]
 /// So many words at most may stand between an article, a colour and a piece of clothing.
 const UNKNOWN_MAX: usize = 2;
 
+/// Whether a piece of clothing must be named behind its colour.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Naming {
+    Required,
+    Optional,
+}
+
 impl Parser<'_> {
     /// Reads what is said of the colours of the subject's clothes. A colour of any other thing is left for others to read.
     pub(crate) fn clothes(&mut self, pattern: &mut Pattern) -> bool {
@@ -35,8 +42,9 @@ impl Parser<'_> {
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         let is_without = self.is(Role::Without);
         self.bump();
-        // "With red" is no clothes, "in red" and "wearing red" are.
-        if !self.garment(pattern, !is_had) {
+        // "In red" and "wearing red" are about clothes, "with red" is not.
+        let naming = if is_had { Naming::Required } else { Naming::Optional };
+        if !self.garment(pattern, naming) {
             self.rewind(checkpoint);
             return false;
         }
@@ -44,12 +52,12 @@ impl Parser<'_> {
             let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
             let is_or = self.is(Role::Or);
             self.skip_while(JOINTS);
-            if !self.garment(pattern, false) {
+            if !self.garment(pattern, Naming::Required) {
                 self.rewind(checkpoint);
                 break;
             }
             if is_or && length > start {
-                join(&mut pattern.conditions, length, true);
+                join_alternative(&mut pattern.conditions, length);
             }
         }
         if is_without && pattern.conditions.len() > start {
@@ -96,11 +104,11 @@ impl Parser<'_> {
         true
     }
 
-    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where it `may_be_bare`.
-    fn garment(&mut self, pattern: &mut Pattern, may_be_bare: bool) -> bool {
+    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where naming is optional.
+    fn garment(&mut self, pattern: &mut Pattern, naming: Naming) -> bool {
         let (checkpoint, start) = (self.checkpoint(), self.state.at);
         self.skip_while(ARTICLES);
-        let is_bare = self.state.at == start && may_be_bare;
+        let is_bare = self.state.at == start && naming == Naming::Optional;
         let is_colored = self.skip_unknown_before(Role::Color);
         let (colors, is_and) = self.colors();
         let is_named = is_colored && self.skip_unknown_before(Role::Garment);

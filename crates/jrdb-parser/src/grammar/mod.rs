@@ -5,6 +5,7 @@ mod clothes;
 mod coordination;
 mod distribution;
 mod interaction;
+mod location;
 mod noun;
 mod number;
 mod place;

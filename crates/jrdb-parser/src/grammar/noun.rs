@@ -5,7 +5,7 @@ use jrdb_types::{Condition, Direction, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, join};
+use crate::pattern::{all_of, join_alternative, join_exclusive};
 use crate::phrase::NounGroup;
 
 /// Words before a noun that say nothing of the thing.
@@ -174,7 +174,11 @@ impl Parser<'_> {
                 return is_described;
             }
             if let Some(is_or) = is_or.take().filter(|_| length > 0) {
-                join(&mut thing.pattern.conditions, length, is_or);
+                let conditions = &mut thing.pattern.conditions;
+                match is_or {
+                    true => join_alternative(conditions, length),
+                    false => join_exclusive(conditions, length),
+                }
             }
             is_described = true;
         }

@@ -25,6 +25,15 @@ const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma]);
 /// What "all" without a noun may stand before.
 const EXCEPT: Roles = Roles::of(&[Role::Except, Role::But]);
 
+/// The verb that a yes-or-no question begins with.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Verb {
+    /// "is", "are there", "does".
+    Be,
+    /// "has the man a phone".
+    Have,
+}
+
 impl Parser<'_> {
     /// Reads the whole question.
     pub(crate) fn question(mut self) -> Query {
@@ -37,41 +46,16 @@ impl Parser<'_> {
         Query { text, task, target, slots, issues }
     }
 
+    /// Any form of question: what is asked, and of what.
     pub(crate) fn question_form(&mut self) -> (Task, Pattern) {
         self.skip_while(LEAD);
         self.addressed();
-        let roles = self.roles();
-        let what = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
-        let links = Roles::of(&[Role::Is, Role::Of]);
-        if self.is_at(what, Role::Unsupported) && self.roles_at(what + 1).has_any(links) {
-            self.state.at = what;
-            self.report_unused();
-            self.eat(Role::Of);
-            self.skip_while(COPULA);
+        if self.eat_unsupported_property() {
             return (Task::Find, self.target().pattern);
         }
-        if roles.has(Role::Find) {
-            return self.find();
-        }
-        if roles.has(Role::Count) {
-            self.bump();
-            self.skip_while(Roles::of(&[Role::Of]));
-            let target = self.target();
-            self.report_count(&target);
-            return (Task::Count, target.pattern);
-        }
-        if roles.has(Role::Where) {
-            self.bump();
-            self.skip_while(COPULA);
-            self.skip_while(Roles::of(&[Role::Find, Role::Filler]));
-            let target = self.target();
-            self.report_count(&target);
-            return (Task::Where, target.pattern);
-        }
-        if roles.has(Role::Describe) {
-            self.bump();
-            let properties = DESCRIPTION.into();
-            return (Task::Which { properties, in_order: false }, self.target().pattern);
+        let roles = self.roles();
+        if roles.has_any(Roles::of(&[Role::Find, Role::Count, Role::Where, Role::Describe])) {
+            return self.request();
         }
         if roles.has(Role::How) && self.entry().asks.is_some() {
             return self.how();
@@ -98,6 +82,46 @@ impl Parser<'_> {
             return self.among();
         }
         self.verbless_question()
+    }
+
+    /// "the name of", "the weight is": a property that no scene graph holds, with an issue.
+    fn eat_unsupported_property(&mut self) -> bool {
+        const LINKS: Roles = Roles::of(&[Role::Is, Role::Of]);
+        let what = self.next_not_in(self.state.at, Roles::of(&[Role::The]));
+        if !self.is_at(what, Role::Unsupported) || !self.roles_at(what + 1).has_any(LINKS) {
+            return false;
+        }
+        self.state.at = what;
+        self.report_unused();
+        self.eat(Role::Of);
+        self.skip_while(COPULA);
+        true
+    }
+
+    /// "find", "how many", "where is", "describe".
+    fn request(&mut self) -> (Task, Pattern) {
+        let roles = self.roles();
+        if roles.has(Role::Find) {
+            return self.find();
+        }
+        self.bump();
+        if roles.has(Role::Count) {
+            self.skip_while(Roles::of(&[Role::Of]));
+            return (Task::Count, self.counted_target());
+        }
+        if roles.has(Role::Where) {
+            self.skip_while(COPULA);
+            self.skip_while(Roles::of(&[Role::Find, Role::Filler]));
+            return (Task::Where, self.counted_target());
+        }
+        let properties = DESCRIPTION.into();
+        (Task::Which { properties, in_order: false }, self.target().pattern)
+    }
+
+    fn counted_target(&mut self) -> Pattern {
+        let target = self.target();
+        self.report_count(&target);
+        target.pattern
     }
 
     /// "Robot, ..." speaks to the robot, not of it.
@@ -291,14 +315,13 @@ impl Parser<'_> {
 
     /// "is there a man", "are there more men than women", "is the man sitting".
     fn yes_no_question(&mut self) -> (Task, Pattern) {
-        let is_has = self.is(Role::Has);
+        let verb = if self.is(Role::Has) { Verb::Have } else { Verb::Be };
         self.bump();
         self.skip_while(Roles::of(&[Role::Filler, Role::Doing]));
         if self.roles().has_any(Roles::of(&[Role::More, Role::Fewer])) {
             return self.compare_counts();
         }
-        let is_definite = self.is(Role::The);
-        self.finish_yes_no(is_definite, is_has)
+        self.yes_no_about(verb)
     }
 
     /// "if anyone is sitting".
@@ -308,28 +331,29 @@ impl Parser<'_> {
         if self.roles().has_any(Roles::of(&[Role::Is, Role::Exists, Role::Doing])) {
             return self.yes_no_question();
         }
-        let is_definite = self.is(Role::The);
-        self.finish_yes_no(is_definite, false)
+        self.yes_no_about(Verb::Be)
     }
 
-    fn finish_yes_no(&mut self, is_definite: bool, is_has: bool) -> (Task, Pattern) {
+    /// The subject of a yes-or-no question, and what is asked of it.
+    fn yes_no_about(&mut self, verb: Verb) -> (Task, Pattern) {
         self.state.asks_several = true;
+        let is_definite = self.is(Role::The);
         let mut thing = self.target_noun_group();
-        if is_has && self.is(Role::A) {
+        if verb == Verb::Have && self.is(Role::A) {
             self.possessed(&mut thing.pattern);
         }
-        let is_told = is_definite || thing.is_all || thing.pattern.pick.is_some();
-        let mut target = if is_told { self.predicate_of(thing) } else { self.finish_target(thing) };
-        let subjects = self.state.subjects;
-        let counted = target.count.map(|(count, _)| count).or(subjects).map(Quantity::at_least);
-        let quantity = target.quantity.or(counted).unwrap_or_default();
+        let has_predicate = is_definite || thing.is_all || thing.pattern.pick.is_some();
+        let mut target =
+            if has_predicate { self.predicate_of(thing) } else { self.finish_target(thing) };
         if target.is_all && target.pattern.conditions.len() > target.head {
-            // All of them are, when none of them is not.
-            let told = all_of(split_from(&mut target.pattern.conditions, target.head));
-            target.pattern.conditions.push(Condition::Not(Box::new(told)));
+            // All of them are, if none of them is not.
+            let asked = all_of(split_from(&mut target.pattern.conditions, target.head));
+            target.pattern.conditions.push(Condition::Not(Box::new(asked)));
             return (Task::Exists(Quantity::NONE), target.pattern);
         }
-        (Task::Exists(quantity), target.pattern)
+        let count = target.count.map(|(count, _)| count).or(self.state.subjects);
+        let quantity = target.quantity.or(count.map(Quantity::at_least));
+        (Task::Exists(quantity.unwrap_or_default()), target.pattern)
     }
 
     /// "more men than women near the door": what is said last is said of both.
