@@ -88,6 +88,9 @@ impl IssueLog {
 
     /// The issues by position in the text, merged and with suggestions.
     pub(crate) fn finish(self, text: &str) -> Vec<Issue> {
+        if self.issues.is_empty() {
+            return self.issues;
+        }
         let is_final = self.misplaced.is_empty() && self.issues.len() <= ISSUES_MAX;
         let mut issues = if is_final { self.issues } else { self.merged(text) };
         add_suggestions(&mut issues, text);

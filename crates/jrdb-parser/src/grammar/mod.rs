@@ -14,6 +14,7 @@ mod predicate;
 mod question;
 mod subject;
 mod superlative;
+mod target;
 mod time;
 mod wh;
 

@@ -136,17 +136,35 @@ impl Parser<'_> {
         self.state.at > 0 && self.is_at(self.state.at - 1, Role::Of)
     }
 
-    /// One part: a direction, a distance, a length, an hour; with "my", "his" or "the man's" before a direction.
+    /// One part: a direction, a distance, a length or an hour, with "my", "his" or "the man's" before
+    /// a direction.
     fn location_part(&mut self, location: &mut LocationPhrase) -> bool {
         let start = self.next_not_in(self.state.at, LEAD);
         if !self.roles_at(start).has_any(PART_START) {
             return false;
         }
-        let (checkpoint, extent) = (self.checkpoint(), location.extent());
+        let (before, extent) = (self.state.at, location.extent());
+        // Everything but an owner only moves the position.
+        let checkpoint = self.has_possessives.then(|| self.checkpoint());
         self.state.at = start;
         let degrees = self.degrees();
         let is_of = self.is(Role::Side) && self.is_at(self.state.at + 1, Role::Of);
         self.state.at += if is_of { 2 } else { 0 };
+        self.location_owner(location);
+        if self.location_value(location) && degrees.is_none_or(|d| location.turn_to_degrees(d)) {
+            return true;
+        }
+        location.reference = Reference::Unsaid;
+        location.cut_back(extent);
+        match checkpoint {
+            Some(checkpoint) => self.rewind(checkpoint),
+            None => self.state.at = before,
+        }
+        false
+    }
+
+    /// "my", "his" or "the man's" before a direction.
+    fn location_owner(&mut self, location: &mut LocationPhrase) {
         if self.is(Role::My) {
             self.bump();
             location.reference = Reference::Robot;
@@ -156,15 +174,6 @@ impl Parser<'_> {
         } else if let Some(owner) = self.owner() {
             location.reference = Reference::Own(owner);
         }
-        if self.location_value(location)
-            && degrees.is_none_or(|degrees| location.turn_to_degrees(degrees))
-        {
-            return true;
-        }
-        location.reference = Reference::Unsaid;
-        location.cut_back(extent);
-        self.rewind(checkpoint);
-        false
     }
 
     /// "30 degrees" before "to the left".
