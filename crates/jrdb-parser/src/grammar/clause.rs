@@ -1,4 +1,4 @@
-//! What is said of a thing behind its noun: "who is sitting or standing near the table and not facing me".
+//! Clauses behind a noun: "who is sitting or standing near the table and not facing me".
 
 use jrdb_types::Pattern;
 use jrdb_types::issue::IssueKind;
@@ -72,14 +72,14 @@ const JOINTS: Roles = Roles::of(&[
     Role::Has,
 ]);
 
-/// Words that say nothing between predicates.
+/// Words without meaning between predicates.
 const GLUE: Roles = Roles::of(&[Role::Filler, Role::Slash, Role::Exists]);
 
-/// What may begin a clause about what somebody else does.
+/// What may begin a clause with a subject of its own: "(the woman) the man is talking to".
 const OTHERS: Roles =
     Roles::of(&[Role::The, Role::A, Role::Number, Role::Who, Role::Is, Role::Doing]);
 
-/// What ends the things said of any thing.
+/// What ends the clauses of any noun.
 const ENDS: Roles = Roles::of(&[Role::Than, Role::Order]);
 
 impl Parser<'_> {
@@ -199,14 +199,15 @@ impl Parser<'_> {
         goes_on
     }
 
-    /// Whether what is at hand is said of the thing that this one is a partner of.
+    /// Whether the word at hand describes the subject and not this partner of it.
     fn belongs_to_subject(&self, pattern: &Pattern) -> bool {
         self.is_located_by_his_at(self.state.at)
             || self.state.is_walk && self.is(Role::Towards)
             || self.is_said_of_people_only(pattern)
     }
 
-    /// Whether what is at hand cannot be said of the partner, which is no person: "the man at the table holding a bag".
+    /// Whether the word at hand cannot describe the partner because the partner is not a person:
+    /// "the man at the table holding a bag".
     fn is_said_of_people_only(&self, pattern: &Pattern) -> bool {
         const OF_PEOPLE: Roles = Roles::of(&[
             Role::Action,
@@ -264,7 +265,8 @@ impl Parser<'_> {
         Some(true)
     }
 
-    /// "who" behind a table is said of somebody else, and so is "who are" behind a woman.
+    /// Whether "who" describes an outer noun: it cannot describe a table, nor can "who are"
+    /// describe a woman.
     fn is_who_of_another(&self, pattern: &Pattern, clause: &ClauseState) -> bool {
         let roles = self.roles();
         let is_personal = !roles.has_any(Roles::of(&[Role::Which, Role::The]));
@@ -285,7 +287,7 @@ impl Parser<'_> {
         }
         let not = self.state.at + 1;
         if self.is_at(not, Role::Not) && self.is_head_resumed(not) {
-            // "But not the one on the table" excepts that one.
+            // "But not the one on the table" is an exception.
             self.bump();
             return self.except(pattern);
         }
@@ -336,7 +338,7 @@ impl Parser<'_> {
             return clause.scope == Scope::Top;
         }
         if pattern.conditions.len() == length {
-            // Nothing of the alternative is known, and that is reported.
+            // The alternative consists of reported words only.
             return true;
         }
         let second = all_of(split_from(&mut pattern.conditions, length));
@@ -352,7 +354,7 @@ impl Parser<'_> {
         }
     }
 
-    /// "To my left and to my right" is either: nothing is at both.
+    /// Makes alternatives of two conditions that exclude each other: "to my left and to my right".
     fn split_exclusive(&mut self, pattern: &mut Pattern, before: usize, start: usize) {
         let conditions = &mut pattern.conditions;
         let is_pair = before > 0 && conditions.len() == before + 1;
@@ -365,7 +367,7 @@ impl Parser<'_> {
     }
 }
 
-/// Whether a verb can be said of a noun: "are" of men, "is" of a man.
+/// Whether noun and verb agree in number: "men are", "a man is".
 fn agree(noun: Roles, verb: Roles) -> bool {
     let has_both = |roles: Roles| roles.has(Role::Plural) == roles.has(Role::Singular);
     has_both(noun) || has_both(verb) || noun.has(Role::Plural) == verb.has(Role::Plural)

@@ -14,13 +14,13 @@ use crate::pattern::{all_of, any_of, join_alternative, split_from};
 pub(crate) const CLOTHES_START: Roles =
     Roles::of(&[Role::At, Role::Interaction, Role::With, Role::Has, Role::Without]);
 
-/// Words before a colour that say nothing of it.
+/// Words without meaning before a colour.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
 
 /// What may stand between colours, and between clothes.
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]);
 
-/// So many words at most may stand between an article, a colour and a piece of clothing.
+/// Unknown words that may stand between an article, a colour and a piece of clothing.
 const UNKNOWN_MAX: usize = 2;
 
 /// Whether a piece of clothing must be named behind its colour.
@@ -31,7 +31,7 @@ enum Naming {
 }
 
 impl Parser<'_> {
-    /// Reads what is said of the colours of the subject's clothes. A colour of any other thing is left for others to read.
+    /// Colours of the subject's clothes. Colours of anything else are left to other productions.
     pub(crate) fn clothes(&mut self, pattern: &mut Pattern) -> bool {
         let is_worn = self.entry().object.as_deref() == Some("wearing");
         let is_in = self.is(Role::At) && self.word(self.state.at).eq_ignore_ascii_case("in");
@@ -87,7 +87,7 @@ impl Parser<'_> {
         true
     }
 
-    /// "black" of "the black car", which is no race: steps over it with an issue.
+    /// Skips and reports "black" of "the black car", which is not a race.
     pub(crate) fn color_of_object(&mut self) -> bool {
         if !self.is(Role::Color) || !self.is(Role::Implies) {
             return false;
@@ -131,7 +131,8 @@ impl Parser<'_> {
         true
     }
 
-    /// Steps over a few words that nobody knows before one of a role, and reports them; whether there is one.
+    /// Consumes and reports a few unknown words before one of a role; false if there is no such
+    /// word.
     fn skip_unknown_before(&mut self, role: Role) -> bool {
         let found = (self.state.at..=self.state.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
         let Some(found) = found else { return false };
@@ -144,7 +145,7 @@ impl Parser<'_> {
         are_unknown
     }
 
-    /// Colours with joints between, and whether one of the joints is "and".
+    /// Colours with joints between them, and whether one of the joints is "and".
     fn colors(&mut self) -> (Vec<Color>, bool) {
         let (mut colors, mut is_and) = (Vec::new(), false);
         while let Some(color) = self.entry().color {
@@ -160,12 +161,13 @@ impl Parser<'_> {
         (colors, is_and)
     }
 
-    /// Whether the colours are those of something that is named behind them.
+    /// Whether the colours belong to a noun behind them that is not clothing.
     fn is_something_else(&self) -> bool {
         self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Unsupported]))
     }
 
-    /// Says how a piece of clothing is read, whose kind nobody checks; the word at `at` names it, what is said of it begins at `start`.
+    /// Reports how a piece of clothing is read, since its kind is not checked. The word at `at`
+    /// names it; its description begins at `start`.
     fn report_garment(&mut self, garment: Garment, start: usize, at: usize) {
         let word = self.word(at);
         let place = match garment {
@@ -184,7 +186,7 @@ impl Parser<'_> {
     }
 }
 
-/// The conditions of which one must hold.
+/// Conditions, one of which must hold.
 fn worn(garment: Garment, color: Color) -> Vec<Condition> {
     let (upper, lower) = (Condition::UpperColor(color), Condition::LowerColor(color));
     match garment {

@@ -1,4 +1,5 @@
-//! Several things of one role: "the door and the table", "the tallest man or the woman next to him".
+//! Noun phrases and lists of them: "the door and the table", "the tallest man or the woman next to
+//! him".
 
 use std::rc::Rc;
 
@@ -11,11 +12,11 @@ use crate::parser::Parser;
 use crate::pattern::{either, set_count, truncated_antecedent};
 use crate::phrase::{Partner, Scope};
 
-/// What "his left" may be told with, between a noun and "his".
+/// Words that may stand between a noun and "his left".
 const TO_HIM: Roles = Roles::of(&[Role::Located, Role::To, Role::At, Role::Filler, Role::Relative]);
 
 impl Parser<'_> {
-    /// The robot, "him" or one thing with what is said of it.
+    /// The robot, a pronoun, or a noun group with its modifiers.
     pub(crate) fn noun_phrase(&mut self) -> Option<Pattern> {
         Some(self.partner()?.pattern)
     }
@@ -51,7 +52,7 @@ impl Parser<'_> {
         Some(Pattern::of(Category::Robot))
     }
 
-    /// Steps over the robot where nobody is named with it: the most common anchor.
+    /// Consumes the robot if it is the only one named, which is the most common reference.
     pub(crate) fn eat_robot_alone(&mut self) -> bool {
         const JOINTS: Roles = Roles::of(&[Role::And, Role::Or]);
         let start = self.state.at;
@@ -62,7 +63,7 @@ impl Parser<'_> {
         found
     }
 
-    /// What "him" means: the last thing spoken of.
+    /// The antecedent of the pronoun at hand; reports it if there is none.
     pub(crate) fn pronoun(&mut self) -> Option<Pattern> {
         let at = self.state.at;
         self.eat_pronoun();
@@ -77,7 +78,7 @@ impl Parser<'_> {
         Some(found.unwrap_or_default())
     }
 
-    /// The thing that the pronoun at a place stands for: "it" is no person.
+    /// The antecedent of the pronoun at a position. "It" does not stand for a person.
     pub(crate) fn antecedent_at(&self, at: usize) -> Option<Pattern> {
         let antecedent = self.state.antecedent.as_deref()?;
         if !self.is_at(at, Role::It) || antecedent.category != Category::Person {
@@ -92,7 +93,7 @@ impl Parser<'_> {
         antecedent.conditions.iter().rev().find_map(object).or_else(|| Some(antecedent.clone()))
     }
 
-    /// Steps over "his", "his\her", "him".
+    /// Consumes "his", "his\her", "him".
     pub(crate) fn eat_pronoun(&mut self) {
         const HIS: Roles = Roles::of(&[Role::His, Role::Him]);
         self.bump();
@@ -101,7 +102,7 @@ impl Parser<'_> {
         }
     }
 
-    /// "a zebra": something that we do not know, with an issue, but not the robot.
+    /// "a zebra": an unknown noun, which is reported and read as anything but the robot.
     fn unknown_noun(&mut self) -> Option<Partner> {
         const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
         const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Unsupported]);
@@ -115,7 +116,7 @@ impl Parser<'_> {
         Some(Partner { pattern, ..Partner::default() })
     }
 
-    /// A noun phrase with what is said behind it, up to what belongs to the thing that it is a partner of.
+    /// Adds the modifiers behind a noun to its pattern, up to what describes its subject.
     pub(crate) fn with_modifiers(
         &mut self,
         mut pattern: Pattern,
@@ -128,7 +129,8 @@ impl Parser<'_> {
         pattern
     }
 
-    /// One partner or several, each of which must be one: "the door and the table". Alternatives are one partner.
+    /// One or more partners, all of which are needed: "the door and the table". Alternatives are
+    /// one partner.
     pub(crate) fn partners(&mut self) -> Vec<Partner> {
         let start = self.state.at;
         self.eat(Role::Either);
@@ -217,7 +219,7 @@ impl Parser<'_> {
         is_who || roles.has_any(OF_PEOPLE)
     }
 
-    /// Whether the word behind "and" begins another thing of the same sort, that nothing else claims.
+    /// Whether another partner of the same kind begins behind the joint at hand.
     fn is_more(&self, last: &Pattern) -> bool {
         if let Some(after) = self.after_one(self.state.at) {
             let is_person = matches!(last.category, Category::Person | Category::Anything);
@@ -238,7 +240,7 @@ impl Parser<'_> {
         is_bare && (is_same || is_robots) && !self.is_next_located_by_his()
     }
 
-    /// The place of the noun that adjectives from `at` on lead to.
+    /// The position of the noun that the adjectives from `at` on lead to.
     pub(crate) fn noun_at(&self, at: usize) -> Option<usize> {
         if !self.roles_at(at).has_any(NOUN_START) || !self.is_noun_ahead(at) {
             return None;
@@ -252,7 +254,7 @@ impl Parser<'_> {
         next > at && self.is_at(next, Role::His)
     }
 
-    /// Whether a thing with an article begins behind the joint at hand.
+    /// Whether a noun group begins behind the joint at hand.
     pub(crate) fn is_thing_next(&self) -> bool {
         let start = self.state.at + 1;
         let next = self.next_not_in(
@@ -265,7 +267,7 @@ impl Parser<'_> {
         is_noun || self.after_one(self.state.at).is_some()
     }
 
-    /// Whether the next thing behind the joint at hand is told to be at his left.
+    /// Whether the noun group behind the joint at hand is located at "his" side.
     pub(crate) fn is_next_located_by_his(&self) -> bool {
         const LIST: Roles = Roles::of(&[
             Role::The,

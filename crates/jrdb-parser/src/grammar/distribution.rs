@@ -1,4 +1,4 @@
-//! What is said behind several things: of all of them, or of the last.
+//! A clause behind several nouns: whether it describes all of them or the last.
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Quantity, RelationKind};
@@ -10,21 +10,22 @@ use crate::parser::Parser;
 use crate::pattern::{all_of, alternative, any_of, bare_label, either, related, split_from};
 use crate::phrase::Part;
 
-/// Of which of several things the clause behind the last is said.
+/// Which of several nouns the clause behind the last one describes.
 #[derive(PartialEq, Eq)]
 enum Sharing {
     All,
-    /// Of all, and it is asked whether all do.
+    /// All, in a question about all of them.
     Together,
-    /// Most likely of all.
+    /// Most likely all.
     PerhapsAll,
     Last,
-    /// What they do, they do with each other.
+    /// All, with each other.
     EachOther,
 }
 
 impl Parser<'_> {
-    /// Things that are one of these; a clause behind the last of them is said of all where the grammar says so.
+    /// A pattern for any of the parts. The clause behind the last part describes all of them where
+    /// the grammar says so.
     pub(crate) fn one_of(&mut self, mut parts: Vec<Part>) -> Pattern {
         let told = self.clause_of_last(&mut parts);
         let patterns = |parts: Vec<Part>| parts.into_iter().map(|part| part.pattern).collect();
@@ -50,7 +51,7 @@ impl Parser<'_> {
         all
     }
 
-    /// "is there a man and a woman": no one thing is both.
+    /// "is there a man and a woman": one entity cannot be both.
     fn ask_together(&mut self, parts: &[Part]) {
         let is_and = parts.len() > 1 && parts[1..].iter().all(|part| part.is_joined);
         if is_and && self.state.asks_several {
@@ -59,8 +60,8 @@ impl Parser<'_> {
         }
     }
 
-    /// Takes the clause off the last of several things; nothing when another has one, or a choice, or pronouns stand for
-    /// things in it.
+    /// Cuts off the clause of the last part. Returns nothing if another part has a clause or a
+    /// pick, or if pronouns stand for parts.
     fn clause_of_last(&self, parts: &mut [Part]) -> Vec<Condition> {
         let Some((last, others)) = parts.split_last_mut() else { return Vec::new() };
         let is_plain =
@@ -118,7 +119,7 @@ impl Parser<'_> {
     }
 }
 
-/// Whether a condition tells what people do with each other, and not with whom else.
+/// Whether a condition is an interaction or relation without a named partner.
 fn is_mutual(condition: &Condition) -> bool {
     let Condition::Related(related) = condition else { return false };
     let is_pair = matches!(
@@ -128,7 +129,7 @@ fn is_mutual(condition: &Condition) -> bool {
     related.partner == Pattern::default() && (is_pair || bare_label(condition).is_some())
 }
 
-/// "the man and the woman talking": either does it with the other.
+/// "the man and the woman talking": each of them does it with the other.
 fn with_each_other(things: &[Pattern], told: &[Condition]) -> Pattern {
     let kinds = match told {
         [Condition::Related(told)] => told.kinds.clone(),

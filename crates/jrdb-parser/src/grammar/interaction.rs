@@ -1,4 +1,5 @@
-//! What is done: "walking with a woman", "holding a bag", "facing me", "next to the door".
+//! Actions, interactions and relations: "walking with a woman", "holding a bag", "facing me", "next
+//! to the door".
 
 use jrdb_types::Pattern;
 use jrdb_types::query::{Category, Quantity, RelationKind};
@@ -10,7 +11,7 @@ use crate::pattern::{push_related, truncated_antecedent};
 use crate::phrase::Partner;
 
 impl Parser<'_> {
-    /// Partners of a subject; "him" among them is what was spoken of before.
+    /// Partners of a subject, which is the antecedent of pronouns among them.
     pub(crate) fn partners_of(&mut self, subject: &Pattern) -> Vec<Partner> {
         if !self.has_pronouns || self.is(Role::Him) {
             return self.partners();
@@ -32,7 +33,7 @@ impl Parser<'_> {
         partners
     }
 
-    /// What the subject does, alone or with others.
+    /// What the subject does, alone or with partners.
     pub(crate) fn activity(&mut self, pattern: &mut Pattern) -> bool {
         let (entry, at) = (self.entry(), self.state.at);
         if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
@@ -57,7 +58,7 @@ impl Parser<'_> {
         true
     }
 
-    /// "chatting" alone is with anybody.
+    /// "chatting" without a partner: with any person.
     fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
         if label.ends_with(" together") {
             let message = format!("read as {label:?} with somebody");
@@ -130,7 +131,7 @@ impl Parser<'_> {
         !is_first_list && (category == Some(&Category::Person) || self.is_at(at, Role::One))
     }
 
-    /// "holding a bag"; "looking at" a person or the robot is facing them.
+    /// "holding a bag". "Looking at" a person or the robot is the relation "facing".
     fn with_object(&mut self, pattern: &mut Pattern, entry: &'static Entry, label: &str) {
         let is_person = self.is_person_at_hand();
         if let (Some(kind), true) = (&entry.relation, is_person) {
@@ -188,7 +189,7 @@ impl Parser<'_> {
         }
         self.skip_while(Roles::of(&[Role::To, Role::With, Role::Filler]));
         if !entry.implies.is_empty() && self.is_side_at_hand() {
-            // "walking to the right of the table" is a place, not where somebody goes.
+            // "walking to the right of the table" is a place and not a destination.
             self.state.at = start;
             return false;
         }
@@ -249,7 +250,7 @@ impl Parser<'_> {
         true
     }
 
-    /// Says that a thing is as an adjective tells.
+    /// Adds what an adjective implies.
     pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
         let entry = self.entry();
         if !entry.roles.has(Role::Implies) {

@@ -24,7 +24,8 @@ impl Parser<'_> {
             && is_unsaid
             && location.places.iter().all(is_distance)
         {
-            // "left of the woman at a far distance": how far from her, not she from the robot.
+            // In "left of the woman at a far distance" the distance is between the two, not from
+            // the robot.
             self.rewind(checkpoint);
             return false;
         }
@@ -37,7 +38,8 @@ impl Parser<'_> {
         true
     }
 
-    /// Whether the place that begins at `start` is the partner's: "standing with a woman on his left".
+    /// Whether the place that begins at `start` is the place of the partner before it: "standing
+    /// with a woman on his left".
     fn is_at_his(&self, pattern: &Pattern, start: usize) -> bool {
         const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma, Role::Who, Role::Is]);
         let is_direct = start > 0 && !self.roles_at(start - 1).has_any(JOINTS);
@@ -80,7 +82,7 @@ impl Parser<'_> {
         found.unwrap_or_default()
     }
 
-    /// "on the man's left": his own, whatever the configuration says of "left of the man".
+    /// "on the man's left": his own left, whatever the configuration says about "left of the man".
     fn push_own_side(
         &mut self,
         location: &mut LocationPhrase,

@@ -1,4 +1,4 @@
-//! Noun phrases: "the two oldest women", "a young, White and male person".
+//! Noun groups: "the two oldest women", "a young, White and male person".
 
 use jrdb_types::query::{Category, Place, Quantity};
 use jrdb_types::{Condition, Direction, Pattern};
@@ -8,7 +8,7 @@ use crate::parser::Parser;
 use crate::pattern::{all_of, join_alternative, join_exclusive};
 use crate::phrase::NounGroup;
 
-/// Words before a noun that say nothing of the thing.
+/// Words without meaning before a noun.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::Filler]);
 
 /// Words before the adjectives.
@@ -40,7 +40,7 @@ pub(crate) const BEFORE_NOUN: Roles = Roles::of(&[
     Role::Last,
 ]);
 
-/// What can begin a noun phrase.
+/// What can begin a noun group.
 pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::The,
     Role::A,
@@ -70,17 +70,18 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
 /// What may stand between adjectives.
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
 
-/// Words between a word and its noun at most.
+/// Words that may stand between a word and its noun.
 const LOOK_MAX: usize = 8;
 
 impl Parser<'_> {
-    /// Reads a noun phrase without what is said behind the noun.
+    /// A noun group: determiners, adjectives and noun, without clauses behind the noun.
     pub(crate) fn noun_group(&mut self) -> Option<NounGroup> {
         let mut thing = NounGroup::default();
         self.read_noun_group(&mut thing).then_some(thing)
     }
 
-    /// Reads a noun phrase into a new thing; false, and the thing is of no use, when there is none.
+    /// Reads a noun group into an empty one. If there is none, returns false, and the value must
+    /// not be used.
     pub(crate) fn read_noun_group(&mut self, thing: &mut NounGroup) -> bool {
         if !self.roles().has_any(NOUN_START) {
             return false;
@@ -184,7 +185,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Steps over "," and "and" between adjectives; true for "or".
+    /// Consumes "," and "and" between adjectives; true for "or".
     fn adjective_joint(&mut self) -> Option<bool> {
         let mut is_or = None;
         while self.roles().has_any(JOINTS) {
@@ -199,7 +200,7 @@ impl Parser<'_> {
         };
         let fits =
             implies_plainly(self.state.at) || self.is(Role::Group) || self.is_noun_as_adjective();
-        // Whatever else follows the joint is no adjective: the caller steps back.
+        // Otherwise no adjective follows the joint, and the caller steps back.
         is_or.filter(|_| fits)
     }
 
@@ -297,14 +298,14 @@ impl Parser<'_> {
         Some(Place::Direction(Direction::level(sector)))
     }
 
-    /// Adjectives stand before or without a noun; what a body does, only before it.
+    /// Whether the adjective at hand describes this noun: an action does so only before the noun.
     fn is_adjective_here(&self) -> bool {
         !self.is(Role::Action)
             || self.is_noun_ahead(self.state.at + 1)
             || self.is_joint_of_adjectives(self.state.at + 1)
     }
 
-    /// A rank and how many words tell it: "second", "2nd".
+    /// A rank and its number of words: "second", "2nd".
     pub(crate) fn ordinal(&self) -> Option<(u32, usize)> {
         if self.is(Role::Ordinal) {
             return self.entry().number.map(|rank| (rank as u32, 1));

@@ -5,19 +5,19 @@ use jrdb_types::query::{Interval, Quantity};
 use crate::lexicon::{Limit, Role, Roles};
 use crate::parser::Parser;
 
-/// Numbers above this are no counts, seconds or metres of a scene.
+/// Larger numbers are not counts, seconds or metres of a scene.
 const NUMBER_MAX: f64 = 1e6;
 
 /// "half".
 const HALF: f64 = 0.5;
 
-/// Lengths are rounded to so many parts of a metre: six feet are 1.8288 m and no more digits.
+/// Lengths are rounded to a micrometre, so that six feet are 1.8288 m without further digits.
 const PARTS_OF_M: f64 = 1e6;
 
-/// "3 metres away" means within so many metres of it.
+/// "3 metres away" means within this distance of 3 metres.
 pub(crate) const ABOUT_M: f64 = 0.5;
 
-/// Joins the two ends of a stretch.
+/// Words between the two ends of a range.
 const TO: Roles = Roles::of(&[Role::To, Role::Dash, Role::And, Role::Or]);
 
 impl Parser<'_> {
@@ -59,7 +59,8 @@ impl Parser<'_> {
         number.map(|number| number as u32)
     }
 
-    /// "exactly three", "at least 2", "3 or more", "two to four", "no"; a bare number is none.
+    /// "exactly three", "at least 2", "3 or more", "two to four", "no". A bare number is not a
+    /// quantity.
     pub(crate) fn quantity(&mut self) -> Option<Quantity> {
         const FIRST: Roles =
             Roles::of(&[Role::Limit, Role::Several, Role::No, Role::Between, Role::Number]);
@@ -177,7 +178,7 @@ impl Parser<'_> {
     }
 }
 
-/// A length without the noise of its last digits.
+/// A length without rounding noise in its last digits.
 pub(crate) fn rounded_m(metres: f64) -> f64 {
     (metres * PARTS_OF_M).round() / PARTS_OF_M
 }

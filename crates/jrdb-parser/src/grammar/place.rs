@@ -1,4 +1,5 @@
-//! The words of a place: "at a close distance to the front left of", "within 3 metres", "at your 2 o'clock".
+//! Reads the words of a place: "at a close distance to the front left of", "within 3 metres", "at
+//! your 2 o'clock".
 
 use jrdb_types::query::Place;
 use jrdb_types::vocab::Elevation;
@@ -55,7 +56,7 @@ const PART_START: Roles = Roles::of(&[
 ]);
 
 impl Parser<'_> {
-    /// Reads a place and what it is told from; stays where it is when there is none.
+    /// Reads a place and its reference, the entity that it is relative to.
     pub(crate) fn location_phrase(
         &mut self,
         subject: &Pattern,
@@ -76,7 +77,7 @@ impl Parser<'_> {
         true
     }
 
-    /// The distance behind "his right", "left of the woman": of the same place.
+    /// A distance behind "his right" or "left of the woman", which belongs to the same place.
     fn trailing_distance(&mut self, location: &mut LocationPhrase) {
         let is_his = matches!(location.reference, Reference::His);
         loop {
@@ -109,7 +110,8 @@ impl Parser<'_> {
         self.roles_at(next).has_any(Roles::of(&[Role::Of, Role::To])) && !self.is_place_at(next + 1)
     }
 
-    /// Another part of the same place, directly or behind "and"; a part with a thing of its own is another place.
+    /// Another part of the same place, directly or behind "and". A part with a reference of its own
+    /// is another place.
     fn next_location_part(&mut self, location: &mut LocationPhrase) -> bool {
         let is_joined = self.is(Role::And);
         let start = self.state.at + usize::from(is_joined);
@@ -131,7 +133,7 @@ impl Parser<'_> {
         true
     }
 
-    /// Whether the word just read needs a thing behind it: "behind".
+    /// Whether the word just read needs a reference behind it: "behind".
     fn had_of(&self) -> bool {
         self.state.at > 0 && self.is_at(self.state.at - 1, Role::Of)
     }
@@ -247,7 +249,7 @@ impl Parser<'_> {
         found
     }
 
-    /// Words such as "side" and "away"; "away from" is left for the thing behind it.
+    /// Skips words such as "side" and "away"; "away from" is left for the reference behind it.
     fn skip_side(&mut self) {
         while self.is(Role::Side) && !self.is(Role::To) || self.is_direction_word() {
             self.bump();
@@ -292,7 +294,7 @@ impl Parser<'_> {
         Some(Place::Degrees { center: center + 0.0, half_width: HOUR_DEG / 2.0 })
     }
 
-    /// The thing behind "of", "to", "from", "relative to".
+    /// The reference behind "of", "to", "from", "relative to".
     fn reference(&mut self, subject: &Pattern, location: &mut LocationPhrase) {
         const JOINTS: Roles = Roles::of(&[Role::Relative, Role::To, Role::Of, Role::At]);
         let had_of = self.had_of() || self.is_at(self.state.at.wrapping_sub(1), Role::Near);

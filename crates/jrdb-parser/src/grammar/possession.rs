@@ -10,8 +10,8 @@ use crate::pattern::{any_of, levels, push_related, related};
 use crate::phrase::{LocationPhrase, NounGroup, Reference};
 
 impl Parser<'_> {
-    /// "has a woman to his right", "with a bag", "a woman located to his right": things and where they are, seen from the
-    /// subject.
+    /// "has a woman to his right", "with a bag": entities and where they are from the subject's
+    /// viewpoint.
     pub(crate) fn possession(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
         let mut is_without = self.is(Role::Without);
@@ -56,7 +56,7 @@ impl Parser<'_> {
         found
     }
 
-    /// "'s bag" behind "the woman": the bag that is with her.
+    /// "'s bag" behind "the woman": the bag that is with the woman.
     pub(crate) fn owned(&mut self, thing: &mut NounGroup) {
         while self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Noun) {
             if !self.has_room(levels(&thing.pattern)) {
@@ -108,7 +108,7 @@ impl Parser<'_> {
             self.relation(&mut thing.pattern);
         }
         if self.is(Role::With) && self.is_at(self.state.at + 1, Role::Him) {
-            // "has a dog with him" is no more than "has a dog".
+            // "With him" adds nothing to "has a dog".
             self.bump();
             self.eat_pronoun();
         }
@@ -122,7 +122,7 @@ impl Parser<'_> {
         Some(if is_none { Condition::Not(Box::new(one)) } else { one })
     }
 
-    /// "facing him" behind "has somebody".
+    /// "facing him" behind "has a man".
     fn is_facing_him(&self) -> bool {
         let facing = Some(RelationKind::Pair(PairWord::Facing));
         self.is(Role::Relation)
@@ -169,8 +169,8 @@ impl Parser<'_> {
         Some(kind.clone())
     }
 
-    /// "a woman located to his right": the same without "has". One relation with the deed before it when both are with
-    /// the same, described thing.
+    /// "a woman located to his right": possession without "has". If the interaction before it is
+    /// with the same described person, both become one relation.
     pub(crate) fn noun_located_by_his(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
         let found = self.noun_group().filter(|_| self.is_located_by_his_at(self.state.at));
@@ -199,7 +199,7 @@ fn is_not(condition: &Condition) -> bool {
     matches!(condition, Condition::Not(_))
 }
 
-/// Whether a relation tells where the partner is.
+/// Whether a relation gives the place of the partner.
 fn is_placed(condition: &Condition) -> bool {
     let Condition::Related(related) = condition else { return false };
     matches!(related.kinds[..], [RelationKind::Placed { .. }, ..])

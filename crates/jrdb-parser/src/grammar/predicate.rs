@@ -1,4 +1,4 @@
-//! One thing said of a subject: "not sitting near the table", "except those standing", "is a woman".
+//! Predicates: "not sitting near the table", "except those standing", "is a woman".
 
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::{Condition, Pattern};
@@ -12,7 +12,7 @@ use crate::pattern::{all_of, alternative, any_of, push_related, split_from};
 use crate::phrase::After;
 
 impl Parser<'_> {
-    /// Predicates that stand together without a joint: "sitting near the table".
+    /// Predicates without a joint between them: "sitting near the table".
     pub(crate) fn predicates(&mut self, pattern: &mut Pattern) -> bool {
         if !self.predicate(pattern, After::Verb) {
             return false;
@@ -54,7 +54,7 @@ impl Parser<'_> {
         found
     }
 
-    /// One thing said of the subject.
+    /// One predicate of the subject.
     pub(crate) fn predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
         let roles = self.roles();
         if roles.has(Role::Not) {
@@ -231,7 +231,7 @@ impl Parser<'_> {
         true
     }
 
-    /// "in the red shirt": what no scene graph holds, with an issue.
+    /// "in the red shirt": skips and reports what no scene graph holds.
     fn unsupported_predicate(&mut self) -> bool {
         const LEAD: Roles = Roles::of(&[
             Role::At,
@@ -260,7 +260,7 @@ impl Parser<'_> {
         true
     }
 
-    /// "at the table", "on a chair": has to do with it.
+    /// "at the table", "on a chair": the relation "with".
     fn at_thing(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
         let is_named = self.eat(Role::At) && self.is_object_next();

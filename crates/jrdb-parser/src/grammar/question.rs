@@ -1,4 +1,4 @@
-//! What is asked: "find", "how many", "is there", "what is the man doing".
+//! Questions and requests: "find", "how many", "is there", "what is the man doing".
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
@@ -9,14 +9,14 @@ use crate::parser::Parser;
 use crate::pattern::{all_of, split_from};
 use crate::phrase::{NounGroup, Target};
 
-/// What "describe" tells.
+/// What "describe" asks for.
 const DESCRIPTION: [Property; 4] =
     [Property::Age, Property::Gender, Property::Race, Property::Action];
 
-/// Words before a question that say nothing.
+/// Words without meaning before a question.
 const LEAD: Roles = Roles::of(&[Role::Filler, Role::Comma, Role::And, Role::Slash]);
 
-/// Words between a question word and its thing.
+/// Words between a question word and its noun.
 pub(crate) const COPULA: Roles = Roles::of(&[Role::Is, Role::Filler, Role::Doing]);
 
 /// The verb that a yes-or-no question begins with.
@@ -40,7 +40,7 @@ impl Parser<'_> {
         Query { text, task, target, slots, issues }
     }
 
-    /// Any form of question: what is asked, and of what.
+    /// Any form of question: the task, and the pattern that it is about.
     pub(crate) fn question_form(&mut self) -> (Task, Pattern) {
         self.skip_while(LEAD);
         self.addressed();
@@ -118,7 +118,7 @@ impl Parser<'_> {
         target.pattern
     }
 
-    /// "Robot, ..." speaks to the robot, not of it.
+    /// Skips "Robot, …", which addresses the robot.
     fn addressed(&mut self) {
         const NEXT: Roles = Roles::of(&[Role::Comma, Role::Find, Role::Which, Role::Count]);
         if self.is(Role::Robot) && self.roles_at(self.state.at + 1).has_any(NEXT) {
@@ -159,7 +159,7 @@ impl Parser<'_> {
         (Task::Find, target.pattern)
     }
 
-    /// A number that asks for nothing: all are found.
+    /// Reports a number that has no effect, because every match is returned.
     pub(crate) fn report_count(&mut self, target: &Target) {
         let count = target.count.filter(|(count, _)| *count > 1);
         if let (Some((count, at)), None) = (count, &target.pattern.pick) {
@@ -208,7 +208,7 @@ impl Parser<'_> {
         self.yes_no_about(verb)
     }
 
-    /// "if anyone is sitting".
+    /// "if anyone is sitting": a yes-or-no question inside another sentence.
     fn embedded_question(&mut self) -> (Task, Pattern) {
         self.bump();
         self.skip_while(LEAD);
@@ -240,7 +240,7 @@ impl Parser<'_> {
         (Task::Exists(quantity.unwrap_or_default()), target.pattern)
     }
 
-    /// "more men than women near the door": what is said last is said of both.
+    /// "more men than women near the door": a clause behind the last noun describes both.
     fn compare_counts(&mut self) -> (Task, Pattern) {
         let order = if self.is(Role::More) { Order::Most } else { Order::Least };
         let start = self.state.at;

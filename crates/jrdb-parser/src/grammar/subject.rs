@@ -1,4 +1,5 @@
-//! The subject of a question, where it ends and what is asked of it begins: "is the tallest person | sitting?"
+//! The subject of a yes-or-no question, and where its predicate begins: "is the tallest person |
+//! sitting?"
 
 use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
@@ -23,7 +24,7 @@ const PLACES: Roles = Roles::of(&[
     Role::Superlative,
 ]);
 
-/// What ends a clause about what somebody else does.
+/// What ends a clause with a subject of its own.
 const CLAUSE_ENDS: Roles =
     Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Then, Role::During, Role::Is]);
 
@@ -31,8 +32,8 @@ const CLAUSE_ENDS: Roles =
 const COMPLEMENT_START: Roles = Roles::of(&[Role::The, Role::A, Role::Noun]);
 
 impl Parser<'_> {
-    /// Reads the rest of "is the tallest person near the door sitting": the places are the subject's, unless nothing
-    /// follows them. Then they are what is asked.
+    /// Reads the rest of "is the tallest person near the door sitting". Places describe the subject
+    /// unless nothing follows them; then the last place is the predicate.
     pub(crate) fn predicate_of(&mut self, mut thing: NounGroup) -> Target {
         self.begin_target(thing.noun);
         set_count(&mut thing.pattern, thing.count);
@@ -134,7 +135,7 @@ impl Parser<'_> {
         (alternatives.len() > 1).then(|| any_of(alternatives))
     }
 
-    /// What the subject must be to be the thing at hand; "the one" stands for the subject's noun.
+    /// One alternative as a condition of the subject, whose category is given.
     fn complement(&mut self, category: &Category) -> Option<Condition> {
         let thing = self.complement_noun(category)?;
         let is_pronoun = thing.is_pronoun;
@@ -143,8 +144,8 @@ impl Parser<'_> {
         (!is_bare).then(|| alternative(pattern, category))
     }
 
-    /// "the man is talking to" behind "the woman", "is the man carrying" behind "which box": what somebody else does with
-    /// this thing.
+    /// An object relative clause, whose object is the entity described: "(the woman) the man is
+    /// talking to", "(which box) is the man carrying".
     pub(crate) fn object_relative(&mut self, pattern: &mut Pattern) -> bool {
         const FIRST: Roles = Roles::of(&[Role::Who, Role::Is, Role::Doing]);
         const DETERMINERS: Roles = Roles::of(&[Role::The, Role::A, Role::Number]);
@@ -165,7 +166,7 @@ impl Parser<'_> {
         self.state.at > start
     }
 
-    /// Whether a plain name and what its thing does stand at a place.
+    /// Whether a plain noun and its verb stand at a position.
     fn is_doer_at(&self, at: usize) -> bool {
         const ACTIVITIES: Roles = Roles::of(&[Role::Interaction, Role::Action, Role::Has]);
         let verb =
@@ -174,7 +175,8 @@ impl Parser<'_> {
         noun.is_some_and(|noun| self.roles_at(verb(noun)).has_any(ACTIVITIES))
     }
 
-    /// What a thing does with one of the category that the clause is about, which is not named again.
+    /// The relation of the other subject to the object, which has a category and is not named
+    /// again.
     fn activity_of(&mut self, other: NounGroup, category: &Category) -> Option<Condition> {
         let quantity = other.how_many();
         let mut doer = other.pattern;

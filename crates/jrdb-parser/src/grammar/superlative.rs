@@ -13,10 +13,10 @@ use crate::parser::Parser;
 use crate::pattern::push_related;
 use crate::phrase::NounGroup;
 
-/// Words that may stand between "closest" or "second" and the place it is told from.
+/// Words that may stand between "closest" or "second" and the place that follows.
 const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);
 
-/// What begins the thing that "closest" is told from: "to the door", "the door".
+/// What begins the reference of "closest": "to the door", "the door".
 const FROM: Roles = Roles::of(&[Role::To, Role::The, Role::A]);
 
 fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
@@ -31,7 +31,7 @@ fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
 }
 
 impl Parser<'_> {
-    /// "tallest", "closest to the door", with the rank and number said before.
+    /// "tallest", "closest to the door", with the rank and count read before.
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let (measured, order) = self.entry().order?;
         self.bump();
@@ -43,7 +43,7 @@ impl Parser<'_> {
         Some(Pick { measure: measure(measured, from), order, rank, count })
     }
 
-    /// The thing of "to the door" behind "closest".
+    /// The reference "to the door" behind "closest".
     pub(crate) fn distance_reference(&mut self) -> Option<Pattern> {
         let next = self.next_not_in(self.state.at, LINK);
         if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
@@ -58,7 +58,7 @@ impl Parser<'_> {
         found
     }
 
-    /// "from the left" behind "the second person": the order that the rank is of.
+    /// "from the left" behind "the second person": the order of the rank.
     pub(crate) fn side_pick(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let next = self.next_not_in(self.state.at, LINK);
         let sector = self.entry_at(next).sector?;
@@ -145,7 +145,7 @@ impl Parser<'_> {
         true
     }
 
-    /// Sets what is picked; a second choice from the same things is reported.
+    /// Sets the pick of a pattern; a second pick is reported.
     pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
         if pattern.pick.is_some() {
             let message = "only one order can be asked for, this one is not used".into();

@@ -9,14 +9,14 @@ use crate::parser::Parser;
 use crate::pattern::{either, set_count};
 use crate::phrase::{NounGroup, Part, Scope, Target};
 
-/// Words between things that are asked for together.
+/// Words between nouns that are asked for together.
 const JOINTS: Roles = Roles::of(&[Role::And, Role::Or, Role::Comma]);
 
 /// What "all" without a noun may stand before.
 const EXCEPT: Roles = Roles::of(&[Role::Except, Role::But]);
 
 impl Parser<'_> {
-    /// The thing asked for with all that is said of it.
+    /// A noun group with its clauses and alternatives.
     pub(crate) fn target(&mut self) -> Target {
         let first = self.target_noun_group();
         self.finish_target(first)
@@ -46,7 +46,7 @@ impl Parser<'_> {
         NounGroup::default()
     }
 
-    /// Reads what is said behind the noun, and alternatives: "the man or the woman next to him".
+    /// Reads the clauses and alternatives behind a noun group: "the man or the woman next to him".
     pub(crate) fn finish_target(&mut self, thing: NounGroup) -> Target {
         self.begin_target(thing.noun);
         let (mut pattern, noun) = (thing.pattern, thing.noun);
@@ -68,7 +68,7 @@ impl Parser<'_> {
         Target { pattern, quantity, count, is_all, head }
     }
 
-    /// Reads the others of "the man, the woman and the child".
+    /// Reads the other parts of "the man, the woman and the child".
     fn others(&mut self, first: Part) -> Pattern {
         let (start, mut is_list) = (self.state.at, true);
         let mut parts = vec![first];
@@ -105,13 +105,13 @@ impl Parser<'_> {
         self.one_of(parts)
     }
 
-    /// Reports "the one" that might also stand for one more person beside the one before.
+    /// Reports "the one" where it may also stand for one more partner of the part before.
     fn report_resumed(&mut self, start: usize) {
         let message = "read as one more of those asked for, not as one more beside them".into();
         self.report(IssueKind::Ambiguous, start, self.state.at, message);
     }
 
-    /// ", the man or the woman" behind "which person is taller": from whom is chosen.
+    /// ", the man or the woman" behind "which person is taller": the candidates.
     pub(crate) fn choice(&mut self, pattern: &mut Pattern) {
         let mut things = Vec::new();
         while self.roles().has_any(JOINTS) && self.is_thing_next() {
@@ -127,7 +127,7 @@ impl Parser<'_> {
     }
 }
 
-/// Whether the last thing said of a person is a relation to another person.
+/// Whether a part is a person whose last condition is a relation to another person.
 fn is_beside_person(part: &Part) -> bool {
     let Some(Condition::Related(related)) =
         part.pattern.conditions.get(part.head..).and_then(<[_]>::last)

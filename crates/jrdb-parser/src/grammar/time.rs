@@ -1,4 +1,4 @@
-//! What happens when: "walking and then sitting during 0.13 to 0.4 seconds".
+//! Slots of time: "walking and then sitting during 0.13 to 0.4 seconds".
 
 use jrdb_types::query::Slot;
 use jrdb_types::{Condition, Pattern};
@@ -41,7 +41,7 @@ impl Parser<'_> {
         self.is_at(self.next_not_in(self.state.at, joints), Role::Then)
     }
 
-    /// Steps over "and then" and closes the slot of the conditions from `head` on.
+    /// Consumes "and then", and closes the slot of the conditions from `head` on.
     pub(crate) fn then(&mut self, pattern: &mut Pattern, head: usize) {
         self.skip_while(Roles::of(&[Role::Comma, Role::And, Role::Then]));
         self.state.is_timed = true;

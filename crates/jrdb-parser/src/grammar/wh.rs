@@ -31,7 +31,8 @@ impl Parser<'_> {
         (Task::Which { properties, in_order: false }, target.pattern)
     }
 
-    /// "from the table" behind "how far is the man": only distances from the robot are told.
+    /// "from the table" behind "how far is the man". Only distances from the robot can be asked
+    /// for.
     fn far_from(&mut self) {
         self.skip_while(Roles::of(&[Role::Side]));
         let start = self.state.at;
@@ -44,7 +45,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Takes "in" off the end of "which direction is the man in": it belongs to the question word.
+    /// Cuts "in" off the end of "which direction is the man in": it belongs to the question word.
     fn drop_stranded_preposition(&mut self) -> bool {
         const STRANDED: Roles = Roles::of(&[Role::At, Role::To, Role::With]);
         let last = self.state.tokens.len().wrapping_sub(1);
@@ -85,7 +86,7 @@ impl Parser<'_> {
                 }
             }
         } else if let Some(mut thing) = self.noun_group() {
-            // "Of the two men" tells how many there are, not how many are chosen.
+            // In "of the two men" the number counts all candidates, not those to select.
             let among = thing.count.take_if(|_| is_of);
             let target = self.finish_target(thing);
             self.report_count(&target);
@@ -133,7 +134,8 @@ impl Parser<'_> {
         (Task::Which { properties: vec![property], in_order: false }, pattern)
     }
 
-    /// Takes "holding" off the end of "what is the man next to the door holding": it is the man's.
+    /// Cuts "holding" off the end of "what is the man next to the door holding": its subject is the
+    /// man.
     fn last_interaction(&mut self) -> Option<&'static String> {
         let last = self.state.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.object.as_ref()?;
@@ -141,7 +143,7 @@ impl Parser<'_> {
         Some(label)
     }
 
-    /// Takes "talking" off the end of "who is the man talking".
+    /// Cuts "talking" off the end of "who is the man talking".
     fn last_people_interaction(&mut self) -> Option<&'static String> {
         let last = self.state.tokens.last().filter(|_| !self.is_end())?.entry;
         let label = last.people.as_ref()?;
@@ -221,7 +223,7 @@ impl Parser<'_> {
             if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
         let mut target = self.finish_target(thing);
         if let Some(label) = done {
-            // "who is the man talking to": somebody who does it with him.
+            // "who is the man talking to" asks for his partner.
             let kinds = vec![RelationKind::Interaction(label.clone())];
             let partner = std::mem::take(&mut target.pattern);
             target.pattern.conditions.push(related(kinds, partner, Quantity::SOME));
@@ -230,7 +232,7 @@ impl Parser<'_> {
         (Task::Find, target.pattern)
     }
 
-    /// Steps over "are you looking at": the robot looks at all.
+    /// Skips "are you looking at": the robot sees everything.
     fn sees(&mut self) -> bool {
         let is_sight = self.entry_at(self.state.at + 1).object.as_deref() == Some("looking at");
         let found = self.is(Role::Robot) && is_sight;
