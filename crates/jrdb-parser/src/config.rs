@@ -1,4 +1,4 @@
-//! How the parser reads what English leaves open.
+//! How ambiguous English is read.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,18 +6,19 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ParserConfig {
-    /// From where "left of the man" is told.
+    /// The viewpoint of "left of the man".
     pub viewpoint: OfPerson,
 }
 
-/// Whose left "left of the man" is. A table has no left of its own: there it is always the robot's.
+/// Whose left is meant in "left of the man". A table has no left of its own, so "left of the table"
+/// is always as the robot sees it.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OfPerson {
-    /// The man's own left; an issue says so. The default, for the benchmark tells directions between people in their own
-    /// frames.
+    /// The man's own left, which an issue reports. This is the default because the benchmark states
+    /// directions between people in their own frames.
     #[default]
     Own,
-    /// The left of the two as the robot sees them.
+    /// The left as the robot sees both.
     Robot,
 }

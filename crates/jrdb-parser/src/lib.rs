@@ -33,9 +33,9 @@ pub fn parse(text: &str) -> Query {
 
 /// Reads an English question.
 ///
-/// Never fails and never drops a word in silence: words that are not understood are issues with their bytes and, where
-/// one is near, the word that was probably meant. A word that is one edit from one known word is read as that, and
-/// reported.
+/// Never fails, and never ignores a word silently: each word that is not understood is an issue
+/// with its bytes and, if a known word is similar, a suggestion. A word that is one edit from a
+/// single known word is read as that word and reported.
 ///
 /// ```
 /// use jrdb_parser::{OfPerson, ParserConfig, notation, parse_with};
@@ -50,8 +50,8 @@ pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
     Parser::new(text, config, &tokens, issues).question()
 }
 
-/// Whether anything of the text was understood: some word of it says what is asked or of what. Not so for an empty text,
-/// another language, or words that are all unknown.
+/// Whether any part of the text was understood: whether a word states what is asked or about what.
+/// False for an empty text, another language, or unknown words only.
 ///
 /// ```
 /// use jrdb_parser::{parse, understood};
@@ -82,8 +82,8 @@ mod tests {
         assert_eq!(read(man, &robot), ("find person[seen direction=left: person[male]]".into(), 0));
         let table = "who is left of the table?";
         assert_eq!(read(table, &own), read(table, &robot));
-        let told = "who is on the man's left?";
-        assert_eq!(read(told, &own), read(told, &robot));
+        let owned = "who is on the man's left?";
+        assert_eq!(read(owned, &own), read(owned, &robot));
     }
 
     #[test]

@@ -1,14 +1,15 @@
-//! Conditions made of conditions.
+//! Builders of conditions and patterns.
 
 use jrdb_types::query::{Category, Measure, Place, Quantity, Related, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
-/// Takes what was said from a place on. Alternatives may have joined conditions that stood before it: then it is nothing.
+/// Splits off the conditions from a position on. There are none if alternatives have joined them
+/// with conditions before that position.
 pub(crate) fn split_from(conditions: &mut Vec<Condition>, from: usize) -> Vec<Condition> {
     conditions.split_off(from.min(conditions.len()))
 }
 
-/// One condition that holds when all of these do.
+/// One condition that holds if all of these hold.
 pub(crate) fn all_of(mut conditions: Vec<Condition>) -> Condition {
     match (conditions.len(), conditions.pop()) {
         (1, Some(only)) => only,
@@ -19,7 +20,7 @@ pub(crate) fn all_of(mut conditions: Vec<Condition>) -> Condition {
     }
 }
 
-/// One condition that holds when any of these does; alternatives among them are laid flat.
+/// One condition that holds if any of these holds; nested alternatives are flattened.
 pub(crate) fn any_of(conditions: Vec<Condition>) -> Condition {
     let mut conditions = conditions.into_iter();
     let mut flat = match conditions.next() {
@@ -36,7 +37,7 @@ pub(crate) fn any_of(conditions: Vec<Condition>) -> Condition {
     if flat.len() == 1 { all_of(flat) } else { Condition::Any(flat) }
 }
 
-/// How many conditions and patterns stand inside each other, the pattern itself included.
+/// Depth of nested conditions and patterns, including the pattern itself.
 pub(crate) fn levels(pattern: &Pattern) -> usize {
     1 + pattern.conditions.iter().map(levels_of).max().unwrap_or(0)
 }
@@ -77,7 +78,7 @@ pub(crate) fn join_exclusive(conditions: &mut Vec<Condition>, length: usize) {
     }
 }
 
-/// Whether no thing can be both: two ages, two deeds of the body, two directions.
+/// Whether the two conditions exclude each other: two ages, two actions, two directions.
 pub(crate) fn excludes(first: &Condition, second: &Condition) -> bool {
     use Condition::{Action, Age, Any, FromRobot, Gender, Race};
     match (first, second) {
@@ -107,26 +108,26 @@ pub(crate) fn push_related(
     pattern.conditions.push(if is_none { Condition::Not(Box::new(one)) } else { one });
 }
 
-/// "The two women closest to me": the number is of the choice.
+/// Applies the number of "the two women closest to me" to the pick.
 pub(crate) fn set_count(pattern: &mut Pattern, count: Option<(u32, usize)>) {
     if let (Some(pick), Some((count, _))) = (&mut pattern.pick, count) {
         pick.count = count;
     }
 }
 
-/// Things that are one of these.
-pub(crate) fn either(mut things: Vec<Pattern>) -> Pattern {
-    if things.len() < 2 {
-        return things.pop().unwrap_or_default();
+/// A pattern for anything that matches one of these.
+pub(crate) fn either(mut groups: Vec<Pattern>) -> Pattern {
+    if groups.len() < 2 {
+        return groups.pop().unwrap_or_default();
     }
-    let first = things[0].category.clone();
-    let same = things.iter().all(|thing| thing.category == first);
+    let first = groups[0].category.clone();
+    let same = groups.iter().all(|group| group.category == first);
     let category = if same { first } else { Category::Anything };
-    let parts = things.into_iter().map(|thing| alternative(thing, &category)).collect();
+    let parts = groups.into_iter().map(|group| alternative(group, &category)).collect();
     Pattern { conditions: vec![any_of(parts)], category, pick: None }
 }
 
-/// What must hold of a thing of a category for it to be one of the pattern.
+/// The condition under which an entity of a category matches the pattern.
 pub(crate) fn alternative(pattern: Pattern, category: &Category) -> Condition {
     let is_plain = pattern.pick.is_none() && pattern.category == *category;
     if is_plain && !pattern.conditions.is_empty() {
@@ -136,16 +137,16 @@ pub(crate) fn alternative(pattern: Pattern, category: &Category) -> Condition {
     }
 }
 
-/// Conditions that a pronoun stands for at most, and the parts that each may have; a question whose pronouns stand for
-/// pronouns would grow without bound.
+/// Limit on the conditions of an antecedent, and on the parts of each. A question whose pronouns
+/// stand for pronouns would grow without bound.
 const ANTECEDENT_MAX: usize = 8;
 
-/// What is kept of a thing for the pronouns that follow: all that is said of it, but for what is very long.
+/// What pronouns stand for: the pattern without its very long conditions.
 pub(crate) fn truncated_antecedent(pattern: &Pattern) -> Pattern {
     let is_short = |condition: &&Condition| fits(condition, &mut { ANTECEDENT_MAX });
     let conditions = pattern.conditions.iter().take(ANTECEDENT_MAX).filter(is_short);
     let pick = pattern.pick.as_ref().filter(|pick| match &pick.measure {
-        Measure::DistanceTo(things) => pattern_fits(things, &mut { ANTECEDENT_MAX }),
+        Measure::DistanceTo(groups) => pattern_fits(groups, &mut { ANTECEDENT_MAX }),
         _ => true,
     });
     Pattern {
@@ -155,7 +156,7 @@ pub(crate) fn truncated_antecedent(pattern: &Pattern) -> Pattern {
     }
 }
 
-/// Whether a condition has no more parts than are left; takes them off.
+/// Whether a condition has at most `left` parts; subtracts them.
 fn fits(condition: &Condition, left: &mut usize) -> bool {
     let Some(rest) = left.checked_sub(1) else { return false };
     *left = rest;
@@ -180,14 +181,14 @@ fn pattern_fits(pattern: &Pattern, left: &mut usize) -> bool {
     pattern.conditions.iter().all(|condition| fits(condition, left))
 }
 
-/// Makes a choice a condition, so that what is said next is said of the one chosen, and chooses no other.
+/// Makes a pattern with a pick a condition, so that later conditions describe the one picked.
 pub(crate) fn identify(pattern: &mut Pattern) {
     let category = pattern.category.clone();
     let chosen = std::mem::replace(pattern, Pattern::of(category));
     pattern.conditions.push(Condition::Is(Box::new(chosen)));
 }
 
-/// Whether a condition is a deed with nobody and nothing named.
+/// The label of an interaction without a described partner.
 pub(crate) fn bare_label(condition: &Condition) -> Option<&str> {
     let Condition::Related(related) = condition else { return None };
     match &related.kinds[..] {

@@ -1,4 +1,4 @@
-//! What the productions hand to each other: noun phrases, partners, places.
+//! What the productions pass to each other: noun groups, partners, places.
 
 use jrdb_types::query::{Interval, Place, Quantity, RelationKind, Viewpoint};
 use jrdb_types::vocab::Sector;
@@ -8,52 +8,52 @@ use smallvec::SmallVec;
 
 use crate::lexicon::Entry;
 
-/// How much of what follows belongs to a thing.
+/// How much of what follows describes a noun.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Scope {
-    /// All of it: the thing asked for.
+    /// All of it, for the target of the question.
     Top,
-    /// A partner behind "who": until a joint that begins anew.
+    /// Up to a joint that begins anew, for a partner behind "who".
     Relative,
-    /// A partner: until a joint or a verb.
+    /// Up to a joint or a verb, for a partner.
     Reduced,
 }
 
-/// What a predicate stands behind.
+/// The position of a predicate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum After {
-    /// "who" or "is": it may be a noun.
+    /// Behind "who" or "is": it may be a noun.
     Verb,
-    /// The noun of the thing asked for.
+    /// Behind the noun of the target.
     Noun,
-    /// The noun of a partner, whose relation may go on behind it.
+    /// Behind the noun of a partner, whose relation may continue.
     Partner,
 }
 
-/// A noun phrase.
+/// Determiners, adjectives and a noun.
 #[derive(Debug, Default)]
 pub(crate) struct NounGroup {
     pub(crate) pattern: Pattern,
-    /// Its noun, or the one that "the one" stands for.
+    /// The noun, or the noun that "the one" stands for.
     pub(crate) noun: Option<&'static Entry>,
     /// "at least two", "no".
     pub(crate) quantity: Option<Quantity>,
-    /// "two", with the place of the word.
+    /// "two", with the position of the word.
     pub(crate) count: Option<(u32, usize)>,
-    /// "second", with the place of the word.
+    /// "second", with the position of the word.
     pub(crate) rank: Option<(u32, usize)>,
-    /// "last": the rank is from the other end.
+    /// "last": the rank counts from the other end.
     pub(crate) is_last: bool,
     /// "all", "everyone".
     pub(crate) is_all: bool,
-    /// The place of its first word.
+    /// The position of its first word.
     pub(crate) start: usize,
-    /// "those" and nothing else.
+    /// "those" or "the one" without a noun.
     pub(crate) is_pronoun: bool,
 }
 
 impl NounGroup {
-    /// How many there must be, where it is not the words of a choice.
+    /// How many there must be, if the number is not part of a superlative.
     pub(crate) fn how_many(&self) -> Quantity {
         let count = self.count.filter(|(count, _)| *count > 1);
         let counted = count.map(|(count, _)| Quantity::at_least(count));
@@ -61,68 +61,69 @@ impl NounGroup {
     }
 }
 
-/// A partner and how many of it there must be.
+/// The object of a relation, and how many there must be.
 #[derive(Debug, Default)]
 pub(crate) struct Partner {
     pub(crate) pattern: Pattern,
     pub(crate) noun: Option<&'static Entry>,
     pub(crate) quantity: Quantity,
-    /// "every chair" was said.
+    /// "every chair".
     pub(crate) is_all: bool,
 }
 
-/// One of several things, with what is said behind its noun.
+/// One of several coordinated nouns, with its clauses.
 pub(crate) struct Part {
     pub(crate) pattern: Pattern,
     pub(crate) noun: Option<&'static Entry>,
-    /// How many conditions stand before or in its noun.
+    /// Number of conditions from the noun group.
     pub(crate) head: usize,
-    /// The place of its first word, and of the first word behind its noun.
+    /// Position of its first word.
     pub(crate) start: usize,
-    pub(crate) told: usize,
-    /// "and" was before it.
+    /// Position of the first word behind its noun.
+    pub(crate) after_noun: usize,
+    /// "and" precedes it, not "or".
     pub(crate) is_joined: bool,
 }
 
-/// The thing asked for, and what was said of its number.
+/// What a question asks for, with its number.
 #[derive(Clone, Default)]
 pub(crate) struct Target {
     pub(crate) pattern: Pattern,
     pub(crate) quantity: Option<Quantity>,
     pub(crate) count: Option<(u32, usize)>,
     pub(crate) is_all: bool,
-    /// How many conditions the noun phrase has.
+    /// Number of conditions from the noun group.
     pub(crate) head: usize,
 }
 
-/// Degrees between two hours of a clock's face.
+/// Degrees between two hours of a clock.
 pub(crate) const HOUR_DEG: f64 = 30.0;
 
-/// The greatest angle to one side.
+/// The largest angle to one side, in degrees.
 pub(crate) const HALF_TURN_DEG: f64 = 180.0;
 
-/// "near" a thing: the benchmark's "close" and "very close", metres.
+/// "near" an entity, in metres: the benchmark's "close" and "very close".
 const NEAR_M: f64 = DistanceWord::Close.bounds_m().1;
 
-/// "far from" a thing: the benchmark's "far" and "very far", metres.
+/// "far from" an entity, in metres: the benchmark's "far" and "very far".
 const FAR_M: f64 = DistanceWord::Far.bounds_m().0;
 
-/// Things said of one place at most.
+/// Parts of one place at most.
 const PLACES_MAX: usize = 4;
 
-/// What is said of a place.
+/// A place: directions and distances, and what they are relative to.
 #[derive(Debug, Default)]
 pub(crate) struct LocationPhrase {
     pub(crate) places: SmallVec<[Place; PLACES_MAX]>,
-    /// Place of the distance that was said without the word "distance": "near".
+    /// Index of the distance given without the word "distance": "near".
     pub(crate) bare_distance: Option<usize>,
-    /// Where "left" or "right" stands.
+    /// Position of the word "left" or "right".
     pub(crate) sided: Option<usize>,
-    /// From where it is told.
+    /// What the place is relative to.
     pub(crate) reference: Reference,
 }
 
-/// How much of a location was read, to return to.
+/// How much of a place was read, to return to.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Extent {
     pub(crate) places: usize,
@@ -149,7 +150,7 @@ impl LocationPhrase {
         self.places.iter().map(kind).collect()
     }
 
-    /// Drops what was read since; the reference is left to the caller.
+    /// Drops what was read since. The caller resets the reference.
     pub(crate) fn cut_back(&mut self, extent: Extent) {
         self.places.truncate(extent.places);
         (self.bare_distance, self.sided) = (extent.bare_distance, extent.sided);
@@ -167,7 +168,7 @@ impl LocationPhrase {
         !matches!(self.reference, Reference::Unsaid)
     }
 
-    /// Makes the side that was just read an angle to that side; false when it was no side.
+    /// Turns the side read last into an angle to that side; false if the last part is not a side.
     pub(crate) fn turn_to_degrees(&mut self, degrees: f64) -> bool {
         let last = self.places.last_mut().filter(|_| self.sided.is_some());
         let Some(last) = last else { return false };
@@ -185,7 +186,8 @@ impl LocationPhrase {
         true
     }
 
-    /// The places as they are meant beside a thing: "near a table" is at most 1.5 m from it, very close or close.
+    /// Applies the meaning of bare "near" and "far" beside an entity: "near a table" is at most 1.5
+    /// m from it.
     pub(crate) fn apply_near_default(&mut self) {
         let Some(place) = self.bare_distance.and_then(|at| self.places.get_mut(at)) else {
             return;
@@ -202,7 +204,7 @@ impl LocationPhrase {
     }
 }
 
-/// From where a place is told.
+/// What a place is relative to.
 #[derive(Debug, Default)]
 pub(crate) enum Reference {
     #[default]
@@ -214,7 +216,7 @@ pub(crate) enum Reference {
     Him,
     /// "the man's left".
     Own(Pattern),
-    Things(Vec<Partner>),
+    Partners(Vec<Partner>),
 }
 
 pub(crate) fn is_robot(partner: &Partner) -> bool {

@@ -8,7 +8,7 @@ use smallvec::SmallVec;
 use crate::lexicon::{Entry, LEXICON, Lexicon, Piece, Roles, special, split};
 use crate::suggest::{Suggestion, suggest};
 
-/// Words of most questions at most: so many need no memory of their own.
+/// Words of nearly all questions at most: these need no heap allocation.
 const WORDS: usize = 32;
 
 /// The pieces of a text.
@@ -21,17 +21,17 @@ pub(crate) type Tokens = SmallVec<[Token; WORDS]>;
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Token {
     pub(crate) entry: &'static Entry,
-    /// The entry's: looked at more often than all else of it.
+    /// The roles of the entry, which are read most often.
     pub(crate) roles: Roles,
     pub(crate) start: usize,
     pub(crate) end: usize,
 }
 
-/// How many unknown words are compared with the lexicon; a text with more is no question.
+/// Unknown words that are compared with the lexicon; a text with more is not a question.
 pub(crate) const SUGGESTIONS_MAX: usize = 20;
 
-/// Splits a text into phrases, the longest of the lexicon at each place. Words of no phrase are read as the one known
-/// word that is one edit away, and reported.
+/// Splits a text into the longest phrases of the lexicon. A word of no phrase is read as the single
+/// known word that is one edit away, and reported.
 pub(crate) fn tokenize(text: &str, tokens: &mut Tokens, issues: &mut Vec<Issue>) {
     let lexicon = &*LEXICON;
     let mut pieces = Pieces::new();
@@ -61,7 +61,7 @@ pub(crate) fn split_known(text: &str, pieces: &mut Pieces, issues: &mut Vec<Issu
     }
 }
 
-/// The number of a word that is not known as it is written.
+/// The number of a word that is unknown as written.
 #[cold]
 fn respelled(
     lexicon: &Lexicon,
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn a_word_is_told_from_what_stands_behind_it() {
+    fn a_word_is_separated_from_what_stands_behind_it() {
         let man = LEXICON.word("man");
         assert_ne!(man, special::UNKNOWN);
         for text in ["MAN", "man, who", "Man at the door with a bag"] {

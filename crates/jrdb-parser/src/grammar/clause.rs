@@ -188,7 +188,7 @@ impl Parser<'_> {
     fn comma(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
         let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
-        if is_list && self.is_thing_next() && !self.is_next_located_by_his() {
+        if is_list && self.is_noun_group_next() && !self.is_next_located_by_his() {
             return false;
         }
         let goes_on = is_top || clause.scope == Scope::Relative && self.is_list_of_words(clause);
@@ -282,7 +282,7 @@ impl Parser<'_> {
         if clause.scope == Scope::Reduced || begins_anew {
             return false;
         }
-        if self.is(Role::But) && self.is_thing_next() {
+        if self.is(Role::But) && self.is_noun_group_next() {
             return self.except(pattern);
         }
         let not = self.state.at + 1;
@@ -291,7 +291,7 @@ impl Parser<'_> {
             self.bump();
             return self.except(pattern);
         }
-        if self.is_thing_next() && !(clause.is_clause && self.is_next_located_by_his()) {
+        if self.is_noun_group_next() && !(clause.is_clause && self.is_next_located_by_his()) {
             return false;
         }
         let checkpoint = self.checkpoint();
@@ -320,8 +320,8 @@ impl Parser<'_> {
             pattern.conditions.push(any_of(parts));
             return true;
         }
-        if clause.scope == Scope::Reduced || self.is_thing_next() || length == clause.group {
-            let is_lost = clause.scope == Scope::Top && !self.is_thing_next();
+        if clause.scope == Scope::Reduced || self.is_noun_group_next() || length == clause.group {
+            let is_lost = clause.scope == Scope::Top && !self.is_noun_group_next();
             if is_lost {
                 self.report_unused();
             }

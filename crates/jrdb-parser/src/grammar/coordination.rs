@@ -29,11 +29,11 @@ impl Parser<'_> {
         if self.is(Role::Him) && !self.is_noun_ahead(self.state.at + 1) {
             return self.pronoun().map(|pattern| Partner { pattern, ..Partner::default() });
         }
-        let Some(thing) = self.noun_group() else { return self.unknown_noun() };
-        let (quantity, is_all, noun) = (thing.how_many(), thing.is_all, thing.noun);
+        let Some(group) = self.noun_group() else { return self.unknown_noun() };
+        let (quantity, is_all, noun) = (group.how_many(), group.is_all, group.noun);
         let head = self.state.head_noun;
         self.state.head_noun = head.or(noun);
-        let pattern = self.with_modifiers(thing.pattern, thing.count);
+        let pattern = self.with_modifiers(group.pattern, group.count);
         self.state.head_noun = head;
         Some(Partner { pattern, noun, quantity, is_all })
     }
@@ -255,7 +255,7 @@ impl Parser<'_> {
     }
 
     /// Whether a noun group begins behind the joint at hand.
-    pub(crate) fn is_thing_next(&self) -> bool {
+    pub(crate) fn is_noun_group_next(&self) -> bool {
         let start = self.state.at + 1;
         let next = self.next_not_in(
             start,

@@ -27,19 +27,19 @@ impl Parser<'_> {
     /// A pattern for any of the parts. The clause behind the last part describes all of them where
     /// the grammar says so.
     pub(crate) fn one_of(&mut self, mut parts: Vec<Part>) -> Pattern {
-        let told = self.clause_of_last(&mut parts);
+        let clause = self.clause_of_last(&mut parts);
         let patterns = |parts: Vec<Part>| parts.into_iter().map(|part| part.pattern).collect();
-        if told.is_empty() {
+        if clause.is_empty() {
             self.ask_together(&parts);
             return either(patterns(parts));
         }
-        let sharing = self.sharing(&parts, &told);
+        let sharing = self.sharing(&parts, &clause);
         self.report_sharing(&sharing, &parts);
         match sharing {
-            Sharing::EachOther => return with_each_other(&patterns(parts), &told),
+            Sharing::EachOther => return with_each_other(&patterns(parts), &clause),
             Sharing::Last => {
                 if let Some(last) = parts.last_mut() {
-                    last.pattern.conditions.extend(told);
+                    last.pattern.conditions.extend(clause);
                 }
                 return either(patterns(parts));
             }
@@ -47,7 +47,7 @@ impl Parser<'_> {
             Sharing::All | Sharing::PerhapsAll => {}
         }
         let mut all = either(patterns(parts));
-        all.conditions.extend(told);
+        all.conditions.extend(clause);
         all
     }
 
@@ -76,19 +76,20 @@ impl Parser<'_> {
         split_from(&mut last.pattern.conditions, last.head)
     }
 
-    fn sharing(&self, parts: &[Part], told: &[Condition]) -> Sharing {
+    fn sharing(&self, parts: &[Part], clause: &[Condition]) -> Sharing {
         const DEFINITE: Roles = Roles::of(&[Role::The, Role::My, Role::His]);
         const DETERMINERS: Roles =
             Roles::of(&[Role::The, Role::A, Role::My, Role::His, Role::No, Role::All]);
         let begins = |part: &Part, roles: Roles| self.roles_at(part.start).has_any(roles);
         let Some(last) = parts.last() else { return Sharing::Last };
         let is_and = parts[1..].iter().all(|part| part.is_joined);
-        let is_singular = |part: &Part| !self.is_at(part.told.wrapping_sub(1), Role::Plural);
+        let is_singular = |part: &Part| !self.is_at(part.after_noun.wrapping_sub(1), Role::Plural);
         let is_pair = parts.len() == 2 && is_and && parts.iter().all(is_singular);
-        if is_pair && told.len() == 1 && is_mutual(&told[0]) {
+        if is_pair && clause.len() == 1 && is_mutual(&clause[0]) {
             return Sharing::EachOther;
         }
-        let is_plural = self.is_at(last.told, Role::Who) && self.is_at(last.told + 1, Role::Plural);
+        let is_plural =
+            self.is_at(last.after_noun, Role::Who) && self.is_at(last.after_noun + 1, Role::Plural);
         let is_bare = !begins(last, DETERMINERS);
         if is_and && self.state.asks_several {
             return Sharing::Together;
@@ -114,8 +115,8 @@ impl Parser<'_> {
             }
         };
         let Some(last) = parts.last() else { return };
-        let told = if last.told < self.state.at { last.told } else { last.start };
-        self.report(IssueKind::Ambiguous, told, self.state.at, message.into());
+        let start = if last.after_noun < self.state.at { last.after_noun } else { last.start };
+        self.report(IssueKind::Ambiguous, start, self.state.at, message.into());
     }
 }
 
@@ -130,22 +131,22 @@ fn is_mutual(condition: &Condition) -> bool {
 }
 
 /// "the man and the woman talking": each of them does it with the other.
-fn with_each_other(things: &[Pattern], told: &[Condition]) -> Pattern {
-    let kinds = match told {
-        [Condition::Related(told)] => told.kinds.clone(),
+fn with_each_other(groups: &[Pattern], clause: &[Condition]) -> Pattern {
+    let kinds = match clause {
+        [Condition::Related(related)] => related.kinds.clone(),
         _ => Vec::new(),
     };
-    let all = either(things.to_vec());
-    let partners = things.iter().rev().cloned();
-    let with = |(thing, partner): (Pattern, Pattern)| {
+    let all = either(groups.to_vec());
+    let partners = groups.iter().rev().cloned();
+    let with = |(group, partner): (Pattern, Pattern)| {
         let category = all.category.clone();
-        let mut conditions = vec![alternative(thing, &category)];
+        let mut conditions = vec![alternative(group, &category)];
         if let [Condition::All(parts)] = &mut conditions[..] {
             conditions = std::mem::take(parts);
         }
         conditions.push(related(kinds.clone(), partner, Quantity::SOME));
         all_of(conditions)
     };
-    let parts: Vec<Condition> = things.iter().cloned().zip(partners).map(with).collect();
+    let parts: Vec<Condition> = groups.iter().cloned().zip(partners).map(with).collect();
     Pattern { conditions: vec![any_of(parts)], category: all.category, pick: None }
 }

@@ -67,7 +67,7 @@ impl Parser<'_> {
                 let partner = Partner { pattern: partner, ..Partner::default() };
                 self.push_beside(location, vec![partner], pattern);
             }
-            Reference::Things(partners) => self.push_beside(location, partners, pattern),
+            Reference::Partners(partners) => self.push_beside(location, partners, pattern),
         }
     }
 
@@ -101,7 +101,7 @@ impl Parser<'_> {
         partners: Vec<Partner>,
         pattern: &mut Pattern,
     ) {
-        let mut is_told = false;
+        let mut is_reported = false;
         for partner in partners {
             if is_robot(&partner) {
                 push_from_robot(location, pattern);
@@ -112,9 +112,9 @@ impl Parser<'_> {
                 OfPerson::Own if is_person => Viewpoint::Partner,
                 _ => Viewpoint::Robot,
             };
-            if viewpoint == Viewpoint::Partner && !is_told {
+            if viewpoint == Viewpoint::Partner && !is_reported {
                 self.report_side(location);
-                is_told = true;
+                is_reported = true;
             }
             location.apply_near_default();
             let kinds = location.kinds(viewpoint);

@@ -76,44 +76,44 @@ const LOOK_MAX: usize = 8;
 impl Parser<'_> {
     /// A noun group: determiners, adjectives and noun, without clauses behind the noun.
     pub(crate) fn noun_group(&mut self) -> Option<NounGroup> {
-        let mut thing = NounGroup::default();
-        self.read_noun_group(&mut thing).then_some(thing)
+        let mut group = NounGroup::default();
+        self.read_noun_group(&mut group).then_some(group)
     }
 
     /// Reads a noun group into an empty one. If there is none, returns false, and the value must
     /// not be used.
-    pub(crate) fn read_noun_group(&mut self, thing: &mut NounGroup) -> bool {
+    pub(crate) fn read_noun_group(&mut self, group: &mut NounGroup) -> bool {
         if !self.roles().has_any(NOUN_START) {
             return false;
         }
         let checkpoint = self.checkpoint();
-        thing.start = self.state.at;
-        self.determiners(thing);
-        let is_described = self.adjectives(thing);
-        if self.noun(thing) || is_described {
-            self.after_noun(thing);
-            self.owned(thing);
+        group.start = self.state.at;
+        self.determiners(group);
+        let is_described = self.adjectives(group);
+        if self.noun(group) || is_described {
+            self.after_noun(group);
+            self.owned(group);
             return true;
         }
         self.rewind(checkpoint);
         false
     }
 
-    fn determiners(&mut self, thing: &mut NounGroup) {
+    fn determiners(&mut self, group: &mut NounGroup) {
         while self.roles().has_any(DETERMINERS) {
-            if thing.quantity.is_none() {
-                thing.quantity = self.quantity();
+            if group.quantity.is_none() {
+                group.quantity = self.quantity();
             }
             let roles = self.roles();
             let is_noun = roles.has(Role::Noun) || self.is_pronoun();
             if roles.has(Role::All) && !is_noun {
-                thing.is_all = true;
+                group.is_all = true;
             } else if roles.has(Role::Number) && self.is_count() {
                 let at = self.state.at;
-                thing.count = self.whole().map(|count| (count, at));
+                group.count = self.whole().map(|count| (count, at));
                 let of_the = self.is(Role::Of) && self.is_at(self.state.at + 1, Role::The);
                 self.state.at += if of_the { 2 } else { 0 };
-                if thing.count.is_none() {
+                if group.count.is_none() {
                     return;
                 }
                 continue;
@@ -162,20 +162,20 @@ impl Parser<'_> {
         false
     }
 
-    fn adjectives(&mut self, thing: &mut NounGroup) -> bool {
+    fn adjectives(&mut self, group: &mut NounGroup) -> bool {
         let (mut is_described, mut is_or) = (false, None);
         loop {
             let separator = self.state.at;
             if is_described {
                 is_or = self.adjective_joint();
             }
-            let length = thing.pattern.conditions.len();
-            if !self.adjective(thing) {
+            let length = group.pattern.conditions.len();
+            if !self.adjective(group) {
                 self.state.at = separator;
                 return is_described;
             }
             if let Some(is_or) = is_or.take().filter(|_| length > 0) {
-                let conditions = &mut thing.pattern.conditions;
+                let conditions = &mut group.pattern.conditions;
                 match is_or {
                     true => join_alternative(conditions, length),
                     false => join_exclusive(conditions, length),
@@ -232,12 +232,12 @@ impl Parser<'_> {
         (from..=end).any(|at| self.entry_at(at).category == Some(Category::Person))
     }
 
-    fn adjective(&mut self, thing: &mut NounGroup) -> bool {
+    fn adjective(&mut self, group: &mut NounGroup) -> bool {
         let (entry, roles, at) = (self.entry(), self.roles(), self.state.at);
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
-        let conditions = &mut thing.pattern.conditions;
+        let conditions = &mut group.pattern.conditions;
         if roles.has(Role::Noun) || roles.has(Role::Implies) && self.is_adjective_here() {
             if !self.color_of_object() {
                 conditions.extend(entry.implies.iter().cloned());
@@ -248,7 +248,7 @@ impl Parser<'_> {
         let is_compared = roles.has(Role::Comparative)
             && (self.is_at(at + 1, Role::Of) || self.is_noun_ahead(at + 1));
         if roles.has(Role::Superlative) || is_compared {
-            return self.chosen(thing);
+            return self.chosen(group);
         }
         if roles.has(Role::Non) && self.is_at(at + 1, Role::Implies) && self.is_noun_ahead(at + 1) {
             let said = all_of(self.entry_at(at + 1).implies.clone());
@@ -257,17 +257,17 @@ impl Parser<'_> {
             return true;
         }
         if let Some((rank, length)) = self.ordinal() {
-            thing.rank = Some((rank, at));
-            thing.is_last = roles.has(Role::Last);
+            group.rank = Some((rank, at));
+            group.is_last = roles.has(Role::Last);
             self.state.at += length;
             return true;
         }
         if roles.has(Role::Group) && !self.is_end() {
-            return self.group(&mut thing.pattern);
+            return self.group(&mut group.pattern);
         }
         if roles.has(Role::Number) && self.is_count() {
-            thing.count = self.whole().map(|count| (count, at));
-            return thing.count.is_some();
+            group.count = self.whole().map(|count| (count, at));
+            return group.count.is_some();
         }
         if !self.is_noun_ahead(at + 1) {
             return false;
@@ -316,12 +316,12 @@ impl Parser<'_> {
         self.word(self.state.at).parse().ok().filter(|rank| *rank > 0).map(|rank| (rank, 2))
     }
 
-    fn chosen(&mut self, thing: &mut NounGroup) -> bool {
-        let rank = thing.rank.take().map_or(1, |(rank, _)| rank);
-        let count = thing.count.take().map_or(1, |(count, _)| count);
+    fn chosen(&mut self, group: &mut NounGroup) -> bool {
+        let rank = group.rank.take().map_or(1, |(rank, _)| rank);
+        let count = group.count.take().map_or(1, |(count, _)| count);
         let start = self.state.at;
         match self.superlative(rank, count) {
-            Some(pick) => self.put_pick(&mut thing.pattern, pick, start),
+            Some(pick) => self.put_pick(&mut group.pattern, pick, start),
             None => false,
         }
     }
@@ -341,28 +341,28 @@ impl Parser<'_> {
         true
     }
 
-    pub(crate) fn noun(&mut self, thing: &mut NounGroup) -> bool {
+    pub(crate) fn noun(&mut self, group: &mut NounGroup) -> bool {
         let entry = self.entry();
         if !entry.roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
             return false;
         }
         self.bump();
         if let Some(category) = &entry.category {
-            thing.pattern.category = category.clone();
-            thing.pattern.conditions.extend(entry.implies.iter().cloned());
+            group.pattern.category = category.clone();
+            group.pattern.conditions.extend(entry.implies.iter().cloned());
             self.state.last_noun = Some(entry);
-            thing.noun = Some(entry);
+            group.noun = Some(entry);
         } else {
-            thing.is_pronoun = true;
-            thing.noun = self.noun_of_one();
-            if let Some(noun) = thing.noun {
-                thing.pattern.category = noun.category.clone().unwrap_or_default();
-                thing.pattern.conditions.extend(noun.implies.iter().cloned());
+            group.is_pronoun = true;
+            group.noun = self.noun_of_one();
+            if let Some(noun) = group.noun {
+                group.pattern.category = noun.category.clone().unwrap_or_default();
+                group.pattern.conditions.extend(noun.implies.iter().cloned());
             }
         }
-        thing.is_all |= entry.roles.has(Role::All);
+        group.is_all |= entry.roles.has(Role::All);
         if entry.roles.has(Role::No) {
-            thing.quantity = Some(Quantity::NONE);
+            group.quantity = Some(Quantity::NONE);
         }
         true
     }

@@ -213,7 +213,7 @@ impl Parser<'_> {
             return None;
         }
         let checkpoint = self.checkpoint();
-        let owner = self.robot().or_else(|| self.noun_group().map(|thing| thing.pattern));
+        let owner = self.robot().or_else(|| self.noun_group().map(|group| group.pattern));
         let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::Filler]));
         let is_sector = self.is_at(next, Role::Sector) || self.is_at(next + 1, Role::Clock);
         if owner.is_some() && self.is(Role::Possessive) && is_sector {
@@ -327,7 +327,7 @@ impl Parser<'_> {
         }
         if self.eat(Role::EachOther) {
             let pattern = Pattern::of(subject.category.clone());
-            return Reference::Things(vec![Partner { pattern, ..Partner::default() }]);
+            return Reference::Partners(vec![Partner { pattern, ..Partner::default() }]);
         }
         if !self.has_pronouns && self.eat_robot_alone() {
             return Reference::Robot;
@@ -339,7 +339,7 @@ impl Parser<'_> {
                 partners.clear();
                 Reference::Robot
             }
-            _ => Reference::Things(partners),
+            _ => Reference::Partners(partners),
         }
     }
 }

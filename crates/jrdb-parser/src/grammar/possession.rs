@@ -38,11 +38,11 @@ impl Parser<'_> {
             found = true;
             let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
             let is_claimed = self.is_next_located_by_his() || self.is_head_resumed(self.state.at);
-            if !is_more || !self.is_thing_next() || is_claimed {
+            if !is_more || !self.is_noun_group_next() || is_claimed {
                 break;
             }
             if pattern.conditions.len() - length == 1 && self.is_person_next() {
-                let goes_on = is_placed && self.is_placed_person_next();
+                let goes_on = is_placed && self.is_located_person_next();
                 if !goes_on {
                     break;
                 }
@@ -57,16 +57,16 @@ impl Parser<'_> {
     }
 
     /// "'s bag" behind "the woman": the bag that is with the woman.
-    pub(crate) fn owned(&mut self, thing: &mut NounGroup) {
+    pub(crate) fn owned(&mut self, group: &mut NounGroup) {
         while self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Noun) {
-            if !self.has_room(levels(&thing.pattern)) {
+            if !self.has_room(levels(&group.pattern)) {
                 return;
             }
             self.bump();
-            let owner = std::mem::take(&mut thing.pattern);
-            self.noun(thing);
+            let owner = std::mem::take(&mut group.pattern);
+            self.noun(group);
             let with = related(vec![RelationKind::With], owner, Quantity::SOME);
-            thing.pattern.conditions.push(with);
+            group.pattern.conditions.push(with);
         }
     }
 
@@ -77,7 +77,7 @@ impl Parser<'_> {
     }
 
     /// "and a man on the right" behind "has a woman on the left".
-    fn is_placed_person_next(&self) -> bool {
+    fn is_located_person_next(&self) -> bool {
         const PERSON: Roles = Roles::of(&[Role::The, Role::A, Role::Implies, Role::Noun]);
         let next = self.next_not_in(self.state.at + 1, PERSON);
         self.roles_at(next).has_any(Roles::of(&[Role::At, Role::To, Role::Sector, Role::Near]))
@@ -95,17 +95,17 @@ impl Parser<'_> {
             return Some(related(kinds, robot, Quantity::SOME));
         }
         let start = self.state.at;
-        let mut thing = NounGroup::default();
-        if !self.read_noun_group(&mut thing) {
+        let mut group = NounGroup::default();
+        if !self.read_noun_group(&mut group) {
             return None;
         }
-        let quantity = thing.how_many();
+        let quantity = group.how_many();
         if self.is_facing_him() {
             self.set_antecedent(pattern);
         }
-        while self.is_activity_next() && self.activity(&mut thing.pattern) {}
+        while self.is_activity_next() && self.activity(&mut group.pattern) {}
         if self.is_facing_him() {
-            self.relation(&mut thing.pattern);
+            self.relation(&mut group.pattern);
         }
         if self.is(Role::With) && self.is_at(self.state.at + 1, Role::Him) {
             // "With him" adds nothing to "has a dog".
@@ -114,11 +114,11 @@ impl Parser<'_> {
         }
         let is_none = quantity == Quantity::NONE;
         let quantity = if is_none { Quantity::SOME } else { quantity };
-        let kinds = self.where_it_is(&mut thing.pattern, pattern, start);
+        let kinds = self.where_it_is(&mut group.pattern, pattern, start);
         if self.is(Role::Who) {
-            thing.pattern = self.with_modifiers(thing.pattern, thing.count);
+            group.pattern = self.with_modifiers(group.pattern, group.count);
         }
-        let one = related(kinds, thing.pattern, quantity);
+        let one = related(kinds, group.pattern, quantity);
         Some(if is_none { Condition::Not(Box::new(one)) } else { one })
     }
 
@@ -177,20 +177,20 @@ impl Parser<'_> {
         let mut location = LocationPhrase::default();
         let is_at_his = self.location_phrase(pattern, &mut location)
             && matches!(location.reference, Reference::His);
-        let Some(thing) = found.filter(|_| is_at_his) else {
+        let Some(group) = found.filter(|_| is_at_his) else {
             self.rewind(checkpoint);
             return false;
         };
         let kinds = location.kinds(Viewpoint::Subject);
         if let Some(Condition::Related(last)) = pattern.conditions.last_mut() {
             let is_activity = matches!(last.kinds[..], [RelationKind::Interaction(_)]);
-            if is_activity && last.partner == thing.pattern && !thing.pattern.conditions.is_empty()
+            if is_activity && last.partner == group.pattern && !group.pattern.conditions.is_empty()
             {
                 last.kinds.extend(kinds);
                 return true;
             }
         }
-        push_related(pattern, kinds, thing.pattern, Quantity::SOME);
+        push_related(pattern, kinds, group.pattern, Quantity::SOME);
         true
     }
 }

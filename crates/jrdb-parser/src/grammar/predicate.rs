@@ -149,8 +149,8 @@ impl Parser<'_> {
             return true;
         }
         let (checkpoint, start) = (self.checkpoint(), self.state.at);
-        let Some(thing) = self.noun_group() else { return false };
-        let (is, was) = (&thing.pattern.category, &pattern.category);
+        let Some(group) = self.noun_group() else { return false };
+        let (is, was) = (&group.pattern.category, &pattern.category);
         if is != was && *was != Category::Anything {
             self.rewind(checkpoint);
             return false;
@@ -158,8 +158,8 @@ impl Parser<'_> {
         if *was == Category::Anything {
             pattern.category = is.clone();
         }
-        pattern.conditions.extend(thing.pattern.conditions);
-        match thing.pattern.pick {
+        pattern.conditions.extend(group.pattern.conditions);
+        match group.pattern.pick {
             Some(pick) => self.put_pick(pattern, pick, start),
             None => true,
         }
@@ -178,7 +178,9 @@ impl Parser<'_> {
             return true;
         }
         let mut parts = vec![all_of(split_from(&mut pattern.conditions, start))];
-        while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
+        while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither]))
+            && !self.is_noun_group_next()
+        {
             let checkpoint = self.checkpoint();
             self.bump();
             if !self.nested(|parser| parser.conditions(pattern)) {

@@ -172,7 +172,7 @@ impl Parser<'_> {
     fn among(&mut self) -> (Task, Pattern) {
         let checkpoint = self.checkpoint();
         self.bump();
-        let all = self.noun_group().map(|thing| self.with_modifiers(thing.pattern, thing.count));
+        let all = self.noun_group().map(|group| self.with_modifiers(group.pattern, group.count));
         self.eat(Role::Comma);
         let (Some(all), false) = (all, self.is_end()) else {
             self.rewind(checkpoint);
@@ -222,13 +222,13 @@ impl Parser<'_> {
     fn yes_no_about(&mut self, verb: Verb) -> (Task, Pattern) {
         self.state.asks_several = true;
         let is_definite = self.is(Role::The);
-        let mut thing = self.target_noun_group();
+        let mut group = self.target_noun_group();
         if verb == Verb::Have && self.is(Role::A) {
-            self.possessed(&mut thing.pattern);
+            self.possessed(&mut group.pattern);
         }
-        let has_predicate = is_definite || thing.is_all || thing.pattern.pick.is_some();
+        let has_predicate = is_definite || group.is_all || group.pattern.pick.is_some();
         let mut target =
-            if has_predicate { self.predicate_of(thing) } else { self.finish_target(thing) };
+            if has_predicate { self.predicate_of(group) } else { self.finish_target(group) };
         if target.is_all && target.pattern.conditions.len() > target.head {
             // All of them are, if none of them is not.
             let asked = all_of(split_from(&mut target.pattern.conditions, target.head));
@@ -245,21 +245,21 @@ impl Parser<'_> {
         let order = if self.is(Role::More) { Order::Most } else { Order::Least };
         let start = self.state.at;
         self.bump();
-        let thing = self.target_noun_group();
-        let noun = thing.pattern.clone();
-        let mut first = self.finish_target(thing);
+        let group = self.target_noun_group();
+        let noun = group.pattern.clone();
+        let mut first = self.finish_target(group);
         if !self.eat(Role::Than) {
             let message = "more than what is not said, not used".into();
             self.report(IssueKind::MisplacedWord, start, start + 1, message);
             return (Task::Exists(Quantity::SOME), first.pattern);
         }
         self.skip_while(Roles::of(&[Role::Filler, Role::Is]));
-        let second = self.noun_group().map_or(noun, |thing| thing.pattern);
+        let second = self.noun_group().map_or(noun, |group| group.pattern);
         let head = second.conditions.len();
         let second = self.finish_target(NounGroup { pattern: second, ..NounGroup::default() });
         if first.pattern.conditions.len() == first.head && second.head == head {
-            let told = second.pattern.conditions.get(head..).unwrap_or_default().to_vec();
-            first.pattern.conditions.extend(told);
+            let shared = second.pattern.conditions.get(head..).unwrap_or_default().to_vec();
+            first.pattern.conditions.extend(shared);
         }
         let than = Box::new(second.pattern);
         (Task::CompareCounts { order, than }, first.pattern)

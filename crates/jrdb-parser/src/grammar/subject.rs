@@ -34,40 +34,40 @@ const COMPLEMENT_START: Roles = Roles::of(&[Role::The, Role::A, Role::Noun]);
 impl Parser<'_> {
     /// Reads the rest of "is the tallest person near the door sitting". Places describe the subject
     /// unless nothing follows them; then the last place is the predicate.
-    pub(crate) fn predicate_of(&mut self, mut thing: NounGroup) -> Target {
-        self.begin_target(thing.noun);
-        set_count(&mut thing.pattern, thing.count);
-        let mut subject = thing.pattern.conditions.len();
+    pub(crate) fn predicate_of(&mut self, mut group: NounGroup) -> Target {
+        self.begin_target(group.noun);
+        set_count(&mut group.pattern, group.count);
+        let mut subject = group.pattern.conditions.len();
         let mut picks_last = false;
         while self.is_place_of_subject() {
-            let (length, had_pick) = (thing.pattern.conditions.len(), thing.pattern.pick.is_some());
-            if self.is(Role::Superlative) && had_pick || !self.place_of_subject(&mut thing.pattern)
+            let (length, had_pick) = (group.pattern.conditions.len(), group.pattern.pick.is_some());
+            if self.is(Role::Superlative) && had_pick || !self.place_of_subject(&mut group.pattern)
             {
                 break;
             }
-            (subject, picks_last) = (length, !had_pick && thing.pattern.pick.is_some());
+            (subject, picks_last) = (length, !had_pick && group.pattern.pick.is_some());
         }
         if self.is(Role::Who) {
-            return self.finish_target(thing);
+            return self.finish_target(group);
         }
         let mut asked = Vec::new();
         if self.is_end() || self.roles().has_any(CLAUSE_ENDS) {
-            asked = split_from(&mut thing.pattern.conditions, subject);
-            let pick = thing.pattern.pick.take_if(|_| picks_last);
+            asked = split_from(&mut group.pattern.conditions, subject);
+            let pick = group.pattern.pick.take_if(|_| picks_last);
             asked.extend(pick.map(|pick| {
-                let of = Pattern::of(thing.pattern.category.clone());
+                let of = Pattern::of(group.pattern.category.clone());
                 Condition::Is(Box::new(Pattern { pick: Some(pick), ..of }))
             }));
         }
         let is_bare = asked.is_empty() && self.is_end();
-        if let Some(pick) = thing.pattern.pick.as_ref().filter(|_| !is_bare) {
-            thing.count = Some((pick.count, thing.start));
-            identify(&mut thing.pattern);
+        if let Some(pick) = group.pattern.pick.as_ref().filter(|_| !is_bare) {
+            group.count = Some((pick.count, group.start));
+            identify(&mut group.pattern);
         }
-        let head = thing.pattern.conditions.len();
-        thing.pattern.conditions.extend(asked);
-        self.subject_complement(&mut thing.pattern);
-        Target { head, ..self.finish_target(thing) }
+        let head = group.pattern.conditions.len();
+        group.pattern.conditions.extend(asked);
+        self.subject_complement(&mut group.pattern);
+        Target { head, ..self.finish_target(group) }
     }
 
     fn is_place_of_subject(&self) -> bool {
@@ -94,11 +94,11 @@ impl Parser<'_> {
         self.rewind(checkpoint);
         let checkpoint = self.checkpoint();
         match self.complement_noun(&pattern.category) {
-            Some(thing) if thing.pattern.category != pattern.category => self.rewind(checkpoint),
-            Some(thing) if thing.pattern.pick.is_some() => {
-                pattern.conditions.push(Condition::Is(Box::new(thing.pattern)));
+            Some(group) if group.pattern.category != pattern.category => self.rewind(checkpoint),
+            Some(group) if group.pattern.pick.is_some() => {
+                pattern.conditions.push(Condition::Is(Box::new(group.pattern)));
             }
-            Some(thing) => pattern.conditions.extend(thing.pattern.conditions),
+            Some(group) => pattern.conditions.extend(group.pattern.conditions),
             None => self.rewind(checkpoint),
         }
     }
@@ -107,12 +107,12 @@ impl Parser<'_> {
     fn complement_noun(&mut self, subject: &Category) -> Option<NounGroup> {
         self.state.last_noun = None;
         let head = self.state.head_noun.take();
-        let mut thing = self.noun_group();
+        let mut group = self.noun_group();
         self.begin_target(head);
-        if let Some(thing) = thing.as_mut().filter(|thing| thing.is_pronoun) {
-            thing.pattern.category = subject.clone();
+        if let Some(group) = group.as_mut().filter(|group| group.is_pronoun) {
+            group.pattern.category = subject.clone();
         }
-        thing
+        group
     }
 
     /// "a man or the one who is sitting": one condition of the subject, and not another subject.
@@ -123,7 +123,7 @@ impl Parser<'_> {
             return None;
         }
         let mut alternatives = vec![self.complement(category)?];
-        while self.is(Role::Or) && self.is_thing_next() {
+        while self.is(Role::Or) && self.is_noun_group_next() {
             let checkpoint = self.checkpoint();
             self.bump();
             let Some(next) = self.complement(category) else {
@@ -137,9 +137,9 @@ impl Parser<'_> {
 
     /// One alternative as a condition of the subject, whose category is given.
     fn complement(&mut self, category: &Category) -> Option<Condition> {
-        let thing = self.complement_noun(category)?;
-        let is_pronoun = thing.is_pronoun;
-        let pattern = self.with_modifiers(thing.pattern, thing.count);
+        let group = self.complement_noun(category)?;
+        let is_pronoun = group.is_pronoun;
+        let pattern = self.with_modifiers(group.pattern, group.count);
         let is_bare = is_pronoun && pattern.conditions.is_empty() && pattern.pick.is_none();
         (!is_bare).then(|| alternative(pattern, category))
     }
@@ -194,9 +194,9 @@ impl Parser<'_> {
             doer.conditions.extend(entry.implies.iter().cloned());
             RelationKind::With
         } else {
-            let deed = vec![RelationKind::Interaction(entry.object.clone()?)];
+            let interaction = vec![RelationKind::Interaction(entry.object.clone()?)];
             let with = Pattern::of(category.clone());
-            doer.conditions.push(related(deed, with, Quantity::SOME));
+            doer.conditions.push(related(interaction, with, Quantity::SOME));
             RelationKind::With
         };
         let ends = self.is_end() || self.roles().has_any(CLAUSE_ENDS);

@@ -158,13 +158,13 @@ impl Parser<'_> {
 
     /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
     /// "the tallest".
-    pub(crate) fn after_noun(&mut self, thing: &mut NounGroup) {
-        if thing.pattern.pick.is_some() {
-            self.after_superlative(thing);
+    pub(crate) fn after_noun(&mut self, group: &mut NounGroup) {
+        if group.pattern.pick.is_some() {
+            self.after_superlative(group);
         }
-        let Some((rank, at)) = thing.rank.take() else { return };
-        let count = thing.count.take().map_or(1, |(count, _)| count);
-        let is_last = thing.is_last && self.is(Role::To);
+        let Some((rank, at)) = group.rank.take() else { return };
+        let count = group.count.take().map_or(1, |(count, _)| count);
+        let is_last = group.is_last && self.is(Role::To);
         if let Some(mut pick) = self.side_pick(rank, count) {
             if is_last {
                 // "From the left" the last is the rightmost; "on the left" it is the leftmost.
@@ -173,9 +173,9 @@ impl Parser<'_> {
                     Order::Most => Order::Least,
                 };
             }
-            thing.pattern.pick = Some(pick);
+            group.pattern.pick = Some(pick);
         } else if self.is(Role::Superlative) {
-            thing.pattern.pick = self.superlative(rank, count);
+            group.pattern.pick = self.superlative(rank, count);
         } else {
             let message =
                 "in which order is not said: say \"from the left\" or \"tallest\"; not used";
@@ -183,19 +183,19 @@ impl Parser<'_> {
         }
     }
 
-    fn after_superlative(&mut self, thing: &mut NounGroup) {
+    fn after_superlative(&mut self, group: &mut NounGroup) {
         if self.is(Role::Of) && !self.is(Role::Sector) {
             let checkpoint = self.checkpoint();
             self.bump();
             match self.nested(Self::noun_group) {
                 Some(all) if all.pattern.pick.is_none() => {
-                    thing.pattern.category = all.pattern.category;
-                    thing.pattern.conditions.extend(all.pattern.conditions);
+                    group.pattern.category = all.pattern.category;
+                    group.pattern.conditions.extend(all.pattern.conditions);
                 }
                 _ => self.rewind(checkpoint),
             }
         }
-        let Some(pick) = &mut thing.pattern.pick else { return };
+        let Some(pick) = &mut group.pattern.pick else { return };
         let is_default = |p: &Pattern| p.category == Category::Robot;
         if !matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from)) {
             return;

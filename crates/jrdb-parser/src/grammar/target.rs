@@ -24,9 +24,9 @@ impl Parser<'_> {
 
     pub(crate) fn target_noun_group(&mut self) -> NounGroup {
         self.skip_while(Roles::of(&[Role::Either, Role::Filler]));
-        let mut thing = NounGroup::default();
-        if self.read_noun_group(&mut thing) {
-            return thing;
+        let mut group = NounGroup::default();
+        if self.read_noun_group(&mut group) {
+            return group;
         }
         if self.is(Role::Him) {
             let pattern = self.pronoun().unwrap_or_default();
@@ -47,24 +47,24 @@ impl Parser<'_> {
     }
 
     /// Reads the clauses and alternatives behind a noun group: "the man or the woman next to him".
-    pub(crate) fn finish_target(&mut self, thing: NounGroup) -> Target {
-        self.begin_target(thing.noun);
-        let (mut pattern, noun) = (thing.pattern, thing.noun);
-        let (start, told) = (thing.start, self.state.at);
+    pub(crate) fn finish_target(&mut self, group: NounGroup) -> Target {
+        self.begin_target(group.noun);
+        let (mut pattern, noun) = (group.pattern, group.noun);
+        let (start, after_noun) = (group.start, self.state.at);
         let head = self.clauses(&mut pattern, Scope::Top);
         if self.state.is_timed {
             self.close_slot(&mut pattern, head);
         }
-        set_count(&mut pattern, thing.count);
+        set_count(&mut pattern, group.count);
         if self.is(Role::Comma) && pattern.pick.is_some() {
             self.choice(&mut pattern);
         }
-        let pattern = if self.roles().has_any(JOINTS) && self.is_thing_next() {
-            self.others(Part { pattern, noun, head, start, told, is_joined: true })
+        let pattern = if self.roles().has_any(JOINTS) && self.is_noun_group_next() {
+            self.others(Part { pattern, noun, head, start, after_noun, is_joined: true })
         } else {
             pattern
         };
-        let NounGroup { quantity, count, is_all, .. } = thing;
+        let NounGroup { quantity, count, is_all, .. } = group;
         Target { pattern, quantity, count, is_all, head }
     }
 
@@ -72,7 +72,7 @@ impl Parser<'_> {
     fn others(&mut self, first: Part) -> Pattern {
         let (start, mut is_list) = (self.state.at, true);
         let mut parts = vec![first];
-        while self.roles().has_any(JOINTS) && self.is_thing_next() {
+        while self.roles().has_any(JOINTS) && self.is_noun_group_next() {
             let is_joined = !self.is(Role::Or);
             is_list &= self.is(Role::Comma) && !self.roles_at(self.state.at + 1).has_any(JOINTS);
             let checkpoint = self.checkpoint();
@@ -93,10 +93,10 @@ impl Parser<'_> {
                 self.report_resumed(start);
             }
             self.begin_target(noun);
-            let (head, told) = (pattern.conditions.len(), self.state.at);
+            let (head, after_noun) = (pattern.conditions.len(), self.state.at);
             self.clauses(&mut pattern, Scope::Top);
             set_count(&mut pattern, count);
-            parts.push(Part { pattern, noun, head, start, told, is_joined });
+            parts.push(Part { pattern, noun, head, start, after_noun, is_joined });
         }
         if is_list {
             let message = "read as a list of things, each of which is meant".into();
@@ -113,15 +113,15 @@ impl Parser<'_> {
 
     /// ", the man or the woman" behind "which person is taller": the candidates.
     pub(crate) fn choice(&mut self, pattern: &mut Pattern) {
-        let mut things = Vec::new();
-        while self.roles().has_any(JOINTS) && self.is_thing_next() {
+        let mut groups = Vec::new();
+        while self.roles().has_any(JOINTS) && self.is_noun_group_next() {
             self.bump();
             self.resume_noun(self.state.head_noun);
-            let Some(thing) = self.noun_group() else { break };
-            self.begin_target(thing.noun);
-            things.push(self.with_modifiers(thing.pattern, thing.count));
+            let Some(group) = self.noun_group() else { break };
+            self.begin_target(group.noun);
+            groups.push(self.with_modifiers(group.pattern, group.count));
         }
-        let choice = either(things);
+        let choice = either(groups);
         pattern.category = choice.category;
         pattern.conditions.extend(choice.conditions);
     }

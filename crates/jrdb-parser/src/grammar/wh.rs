@@ -17,17 +17,17 @@ impl Parser<'_> {
         self.bump();
         self.skip_while(Roles::of(&[Role::Side, Role::To, Role::Of, Role::Filler]));
         self.skip_while(COPULA);
-        let thing = self.target_noun_group();
+        let group = self.target_noun_group();
         if properties == [Property::Distance] {
             self.far_from();
         }
         self.drop_stranded_preposition();
-        let mut thing = thing;
+        let mut group = group;
         let is_activity = self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]));
-        if thing.pattern.pick.is_some() && is_activity {
-            identify(&mut thing.pattern);
+        if group.pattern.pick.is_some() && is_activity {
+            identify(&mut group.pattern);
         }
-        let target = self.finish_target(thing);
+        let target = self.finish_target(group);
         (Task::Which { properties, in_order: false }, target.pattern)
     }
 
@@ -77,18 +77,18 @@ impl Parser<'_> {
                 return self.nested(Self::question_form);
             }
             if is_what && !self.is(Role::Superlative) {
-                if let Some(thing) = self.noun_group() {
-                    return self.what_is(thing);
+                if let Some(group) = self.noun_group() {
+                    return self.what_is(group);
                 }
                 if self.is(Role::Him) {
-                    let thing = self.target_noun_group();
-                    return self.what_is(thing);
+                    let group = self.target_noun_group();
+                    return self.what_is(group);
                 }
             }
-        } else if let Some(mut thing) = self.noun_group() {
+        } else if let Some(mut group) = self.noun_group() {
             // In "of the two men" the number counts all candidates, not those to select.
-            let among = thing.count.take_if(|_| is_of);
-            let target = self.finish_target(thing);
+            let among = group.count.take_if(|_| is_of);
+            let target = self.finish_target(group);
             self.report_count(&target);
             if target.pattern.pick.is_none() {
                 self.report_count(&Target { count: among, ..target.clone() });
@@ -96,16 +96,16 @@ impl Parser<'_> {
             return (Task::Find, target.pattern);
         }
         let category = if is_what { Category::Anything } else { Category::Person };
-        let thing = NounGroup { pattern: Pattern::of(category), ..NounGroup::default() };
-        (Task::Find, self.finish_target(thing).pattern)
+        let group = NounGroup { pattern: Pattern::of(category), ..NounGroup::default() };
+        (Task::Find, self.finish_target(group).pattern)
     }
 
     /// "what is the man doing", "what is the man holding", "what is the object near the door".
-    fn what_is(&mut self, thing: NounGroup) -> (Task, Pattern) {
+    fn what_is(&mut self, group: NounGroup) -> (Task, Pattern) {
         if self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Asks) {
             self.bump();
             let (properties, in_order) = self.property_list();
-            return (Task::Which { properties, in_order }, self.finish_target(thing).pattern);
+            return (Task::Which { properties, in_order }, self.finish_target(group).pattern);
         }
         let is_up_to = self.state.tokens.last().is_some_and(|last| last.entry.limit.is_some());
         if is_up_to && !self.is_end() {
@@ -114,7 +114,7 @@ impl Parser<'_> {
         }
         let label = self.last_interaction();
         let is_stranded = self.drop_stranded_preposition();
-        let mut pattern = self.finish_target(thing).pattern;
+        let mut pattern = self.finish_target(group).pattern;
         if label.is_some() && pattern.pick.is_some() {
             identify(&mut pattern);
         }
@@ -162,8 +162,8 @@ impl Parser<'_> {
         }
         self.skip_while(COPULA);
         self.drop_stranded_preposition();
-        let thing = self.target_noun_group();
-        let target = self.finish_target(thing);
+        let group = self.target_noun_group();
+        let target = self.finish_target(group);
         (Task::Which { properties, in_order }, target.pattern)
     }
 
@@ -211,17 +211,17 @@ impl Parser<'_> {
         if self.is_end() || had_is && self.sees() {
             return (Task::Find, Pattern::default());
         }
-        let thing = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
+        let group = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
             self.noun_group()
         } else {
             None
         };
-        let Some(thing) = thing.filter(|_| !self.is_located_by_his_at(self.state.at)) else {
+        let Some(group) = group.filter(|_| !self.is_located_by_his_at(self.state.at)) else {
             return self.who_does();
         };
         let done =
             if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
-        let mut target = self.finish_target(thing);
+        let mut target = self.finish_target(group);
         if let Some(label) = done {
             // "who is the man talking to" asks for his partner.
             let kinds = vec![RelationKind::Interaction(label.clone())];

@@ -6,28 +6,28 @@ use jrdb_types::{Condition, DistanceWord};
 
 use super::role::Roles;
 
-/// What a word or phrase means: in one or several of these respects.
+/// The meanings of a word or phrase. It may have several.
 #[derive(Debug, Default)]
 pub(crate) struct Entry {
     pub(crate) roles: Roles,
-    /// What kind of thing it names.
+    /// The category that it names.
     pub(crate) category: Option<Category>,
-    /// What it says of the thing it names or stands with.
+    /// The conditions that it implies for the entity that it names or describes.
     pub(crate) implies: Vec<Condition>,
-    /// What holds between the subject and the thing behind it.
+    /// The relation between the subject and the noun behind it.
     pub(crate) relation: Option<RelationKind>,
-    /// What holds besides, with the same thing.
+    /// A second relation to the same noun.
     pub(crate) relation_too: Option<RelationKind>,
-    /// Label when it is done with people.
+    /// Label of the interaction with people.
     pub(crate) people: Option<String>,
-    /// Label when it is done with an object.
+    /// Label of the interaction with an object.
     pub(crate) object: Option<String>,
     pub(crate) distance: Option<DistanceWord>,
     pub(crate) sector: Option<Sector>,
     pub(crate) elevation: Option<Elevation>,
     pub(crate) number: Option<f64>,
     pub(crate) limit: Option<Limit>,
-    /// Metres of the unit.
+    /// The unit in metres.
     pub(crate) unit: Option<f64>,
     pub(crate) order: Option<(Measured, Order)>,
     pub(crate) asks: Option<Property>,
@@ -37,13 +37,14 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// All that holds between the subject and the thing behind it.
+    /// All relations between the subject and the noun behind it.
     pub(crate) fn kinds(&self) -> Vec<RelationKind> {
         self.relation.iter().chain(&self.relation_too).cloned().collect()
     }
 }
 
-/// What a superlative or comparative is about; a distance is to the robot unless a thing is named.
+/// The measure of a superlative or comparative. A distance is to the robot unless another reference
+/// is named.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Measured {
     Distance,

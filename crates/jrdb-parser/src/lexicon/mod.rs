@@ -1,4 +1,4 @@
-//! The words that the parser knows: `lexicon.txt`, with fast look-up of words and of the longest phrase.
+//! The words that the parser knows, from `lexicon.txt`.
 
 mod entry;
 mod piece;

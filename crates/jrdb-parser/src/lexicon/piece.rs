@@ -1,6 +1,6 @@
-//! A text as words, numbers and marks, and the keys that words are looked up by.
+//! Splits a text into words, numbers and marks, and computes the keys to look words up by.
 
-/// Numbers of the words that are no words of the file; entries of the same numbers stand for them.
+/// Numbers of what is not a word of the file. The entries of the same numbers stand for them.
 pub(crate) mod special {
     /// A word of no phrase.
     pub(crate) const UNKNOWN: u16 = 0;
@@ -12,9 +12,9 @@ pub(crate) mod special {
     pub(crate) const SLASH: u16 = 3;
     /// A dash between numbers.
     pub(crate) const DASH: u16 = 4;
-    /// Behind the last word.
+    /// The end of the text.
     pub(crate) const END: u16 = 5;
-    /// How many they are.
+    /// Their count.
     pub(crate) const COUNT: u16 = 6;
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Piece {
     pub(crate) end: usize,
 }
 
-/// What a byte is to the text.
+/// The class of a byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Class {
     Blank,
@@ -38,7 +38,7 @@ enum Class {
     Apostrophe,
     Comma,
     Slash,
-    /// First byte of a character beyond ASCII.
+    /// First byte of a character outside ASCII.
     Wide,
 }
 
@@ -60,15 +60,16 @@ const CLASSES: [Class; 256] = {
     classes
 };
 
-/// Letters of the longest word that can be known.
+/// Letters of the longest word of the lexicon.
 pub(crate) const LETTERS_MAX: usize = 16;
 
-/// The letters of a word without regard to case, as one number; 0 for an empty word and for one that is too long to be known.
+/// The letters of a word in lower case, as one number; 0 for an empty word and for one that is too
+/// long for the lexicon.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct Key(u128);
 
 impl Key {
-    /// The key of the word of so many bytes that a text begins with.
+    /// The key of the first `length` bytes of a text.
     pub(crate) fn of(text: &[u8], length: usize) -> Self {
         let mut letters = [0; LETTERS_MAX];
         if let (Some(to), Some(word)) = (letters.get_mut(..length), text.get(..length)) {
@@ -78,19 +79,21 @@ impl Key {
         Self(u128::from_le_bytes(letters))
     }
 
-    /// The key of a word by its first eight letters and those behind, in lower case, each with zeros behind it.
+    /// The key of a word from its first eight letters and the others, in lower case, each padded
+    /// with zeros.
     pub(crate) fn from_halves(first: u64, second: u64) -> Self {
         Self(u128::from(second) << u64::BITS | u128::from(first))
     }
 
-    /// Both halves of the key in one.
+    /// Both halves combined, for hashing.
     pub(super) fn folded(self) -> u64 {
         self.0 as u64 ^ (self.0 >> u64::BITS) as u64
     }
 }
 
-/// The pieces of a text, and what words are looked up by. Words are runs of letters and apostrophes, but `'s` and `'re` are
-/// words of their own; a hyphen between digits is a dash; every other mark only separates.
+/// The pieces of a text, with the keys of its words. Words are runs of letters and apostrophes, but
+/// `'s` and `'re` are words of their own. A hyphen between digits is a dash; every other mark only
+/// separates.
 pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
     let bytes = text.as_bytes();
     let mut at = 0;
@@ -98,7 +101,7 @@ pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
         loop {
             let rest = &bytes[at..];
             let start = at;
-            // Nearly every separator is one.
+            // Nearly every separator is a single blank.
             if *rest.first()? == b' ' {
                 at += 1;
                 continue;
@@ -116,18 +119,19 @@ pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
     })
 }
 
-/// Bytes that are looked at together; few words are longer.
+/// Bytes that are examined together; few words are longer.
 const CHUNK: usize = 8;
 
 /// A number whose bytes are all 1.
 const ONES: u64 = u64::MAX / u8::MAX as u64;
 
-/// The ASCII letters that some bytes begin with, in lower case and with zeros behind them, and how many they are.
+/// The leading ASCII letters of some bytes, in lower case and padded with zeros, and their number.
 fn letters(bytes: [u8; CHUNK]) -> (u64, usize) {
     const CASE: u8 = b'a' ^ b'A';
     const TOP: u64 = ONES * 0x80;
     let lower = u64::from_le_bytes(bytes) | (ONES * u64::from(CASE));
-    // The top bit of each byte tells. A byte beyond ASCII, which is none, may spoil those behind it: they do not matter.
+    // The top bit of each byte is set if it is not a letter. A byte outside ASCII may spoil the
+    // bytes behind it, which do not matter.
     let from_a = lower.wrapping_add(ONES * u64::from(0x80 - b'a'));
     let beyond_z = lower.wrapping_add(ONES * u64::from(0x7f - b'z'));
     let others = !(from_a & !beyond_z & !lower) & TOP;
@@ -136,7 +140,7 @@ fn letters(bytes: [u8; CHUNK]) -> (u64, usize) {
     (lower & !behind, length as usize)
 }
 
-/// The word that a text begins with, if it is one of plain letters that nothing goes on.
+/// The first word of a text, if it consists of ASCII letters only.
 #[inline]
 fn plain_word(text: &[u8]) -> Option<(Key, usize)> {
     let (first, mut length) = letters(chunk(text));
@@ -187,7 +191,7 @@ fn is_digit(bytes: &[u8], at: usize) -> bool {
     bytes.get(at).is_some_and(u8::is_ascii_digit)
 }
 
-/// The length of the `s` or `re` that stands alone here, 0 when something else does.
+/// The length of a separate `s` or `re` at a position, 0 if there is none.
 fn suffix(bytes: &[u8], at: usize) -> usize {
     let length = bytes[at..].iter().take(3).take_while(|b| b.is_ascii_alphanumeric()).count();
     let letters = &bytes[at..at + length];
@@ -195,7 +199,7 @@ fn suffix(bytes: &[u8], at: usize) -> usize {
     if is_suffix { length } else { 0 }
 }
 
-/// Where the word ends that goes on at a place, if it does.
+/// The end of the word that continues at a position.
 fn word_end(bytes: &[u8], text: &str, mut at: usize) -> usize {
     while at < bytes.len() {
         at += match CLASSES[usize::from(bytes[at])] {

@@ -10,7 +10,7 @@ use super::role::Role;
 use super::table::Lexicon;
 use crate::notation;
 
-/// Reads the whole file; the error is the line at fault.
+/// Reads the whole file; the error is the faulty line.
 pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
     let mut lexicon = Lexicon::new();
     for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
@@ -42,13 +42,13 @@ impl Lexicon {
     }
 }
 
-/// Whether a noun names several things; a noun that is otherwise than its ending says is given `word plural` too.
+/// Whether a noun is plural by its ending. Exceptions are marked `word plural` in the file.
 fn is_plural(noun: &str) -> bool {
     let has_s = noun.ends_with('s') && !noun.ends_with("ss");
     has_s || ["men", "people", "folk", "children"].iter().any(|end| noun.ends_with(end))
 }
 
-/// Adds one meaning, such as `implies walking`; none when it is not one.
+/// Adds one meaning, such as `implies walking`; none if it is malformed.
 fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
     let (kind, value) = meaning.split_once(' ')?;
     let role = match kind {

@@ -9,38 +9,38 @@ use super::role::Role;
 struct Step {
     from: u16,
     word: u16,
-    /// 0 where the slot is free: nothing leads to a first word.
+    /// 0 if the slot is free: no step leads to a first word.
     to: u16,
 }
 
-/// Slots of the tables of words and of steps; a power of two well over the number of either.
+/// Slots of the tables of words and of steps: a power of two well above the number of either.
 const SLOTS: usize = 8192;
 
-/// Numbers of nodes from here on are of those behind the second word of a phrase and later ones.
+/// The first number of the nodes behind a second or later word of a phrase.
 const FURTHER: u16 = 1 << 15;
 
-/// A place in the tree of phrases.
+/// A node in the tree of phrases.
 #[derive(Debug, Clone, Copy, Default)]
 struct Node {
     /// The entry of the phrase that ends here, [`special::UNKNOWN`] where none does.
     entry: u16,
-    /// The [`bit`]s of the words that lead on from here: most lead nowhere.
+    /// The [`bit`]s of the words that lead on from here. Most words lead nowhere.
     next: u64,
 }
 
-/// A word's part in a set that may hold others too.
+/// The bit of a word in a set; other words may share it.
 fn bit(word: u16) -> u64 {
     1 << (u32::from(word) % u64::BITS)
 }
 
-/// Phrases and what they mean.
+/// The phrases and their meanings.
 pub(crate) struct Lexicon {
     entries: Vec<Entry>,
     words: Vec<&'static str>,
     keys: Vec<Key>,
-    /// Word numbers by their keys, [`special::UNKNOWN`] where free.
+    /// Word numbers by their keys, [`special::UNKNOWN`] if free.
     slots: Box<[u16; SLOTS]>,
-    /// Where the phrases begin, by the number of their first word, which is also that of the node.
+    /// The first nodes of the phrases, by the number of the first word.
     first: Vec<Node>,
     /// The other nodes; their numbers begin at [`FURTHER`].
     further: Vec<Node>,
@@ -51,12 +51,12 @@ pub(crate) struct Lexicon {
 /// 2^64 over the golden ratio: the top bits of a product with it depend on all bits of the other factor.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The slot where to look for a number first.
+/// The first slot to look for a number.
 fn hash(number: u64) -> usize {
     (number.wrapping_mul(GOLDEN) >> (u64::BITS - SLOTS.ilog2())) as usize
 }
 
-/// The slot behind another.
+/// The slot after another.
 fn behind(slot: usize) -> usize {
     (slot + 1) % SLOTS
 }
@@ -80,18 +80,18 @@ impl Lexicon {
         &self.entries[usize::from(number)]
     }
 
-    /// The number of a word, [`special::UNKNOWN`] when it is in no phrase.
+    /// The number of a word, [`special::UNKNOWN`] if it is in no phrase.
     pub(crate) fn word(&self, word: &str) -> u16 {
         self.number(Key::of(word.as_bytes(), word.len()))
     }
 
-    /// The number of the word with a key, [`special::UNKNOWN`] when it is in no phrase.
+    /// The number of the word with a key, [`special::UNKNOWN`] if it is in no phrase.
     #[inline]
     pub(crate) fn number(&self, key: Key) -> u16 {
         self.slots[self.slot(key)]
     }
 
-    /// The slot of a word, or the free one where it would be.
+    /// The slot of a word, or the free one for it.
     fn slot(&self, key: Key) -> usize {
         let mut slot = hash(key.folded());
         loop {
@@ -103,7 +103,7 @@ impl Lexicon {
         }
     }
 
-    /// The slot of a step, or the free one where it would be.
+    /// The slot of a step, or the free one for it.
     fn step(&self, from: u16, word: u16) -> usize {
         let mut slot = hash(u64::from(from) << u16::BITS | u64::from(word));
         loop {
@@ -130,8 +130,8 @@ impl Lexicon {
         &self.words[usize::from(special::COUNT)..]
     }
 
-    /// The longest phrase that begins with a word and goes on with the pieces behind it: its entry, and how many of these
-    /// belong to it.
+    /// The longest phrase that begins with a word and continues with the pieces behind it: its
+    /// entry, and the number of these pieces that belong to it.
     #[inline]
     pub(crate) fn longest(&self, first: u16, behind: &[Piece]) -> (u16, usize) {
         let mut at = first;
@@ -153,7 +153,7 @@ impl Lexicon {
         found
     }
 
-    /// The number of a word, made where there is none; none when it is too long.
+    /// The number of a word, which is added if it is new; none if it is too long.
     pub(super) fn intern(&mut self, word: &'static str) -> Option<u16> {
         if !(1..=LETTERS_MAX).contains(&word.len()) {
             return None;
@@ -170,7 +170,7 @@ impl Lexicon {
         Some(self.slots[slot])
     }
 
-    /// The entry of a phrase, made where there is none.
+    /// The entry of a phrase, which is added if it is new.
     pub(super) fn phrase(&mut self, words: &[u16]) -> &mut Entry {
         let mut at = words[0];
         for word in &words[1..] {

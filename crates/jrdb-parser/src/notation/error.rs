@@ -2,14 +2,14 @@
 
 use jrdb_types::Span;
 
-/// A text that is no notation: what was expected, what stands there, and where.
+/// A text that is not notation: what was expected, what was found, and where.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("expected {expected}, found {found} at byte {}", span.start)]
 pub struct NotationError {
-    /// What could stand there.
+    /// What was expected.
     pub expected: String,
-    /// What does.
+    /// What was found.
     pub found: String,
-    /// Where, bytes of the text.
+    /// The bytes of the text where it was found.
     pub span: Span,
 }
