@@ -7,7 +7,7 @@
 //! exists person[child, between person[(young or elderly)]: person[(young or elderly)]]
 //! ```
 //!
-//! `docs/formats.md` has the grammar. [`write()`] and [`read`] are inverse to each other.
+//! `docs/formats.md` has the grammar. [`write()`] and [`read()`] are inverse to each other.
 
 mod cursor;
 mod error;
