@@ -1,7 +1,7 @@
 //! Where the parser stands in a question, and the elementary operations of the grammar.
 //!
-//! A production looks at the words ahead, consumes some of them, and changes the [`State`]. It takes
-//! a [`Checkpoint`] before it tries a reading and rewinds to it when the reading fails.
+//! A production looks at the words ahead, consumes some of them, and changes the [`State`]. It
+//! takes a [`Checkpoint`] before it tries a reading and rewinds to it when the reading fails.
 
 use std::rc::Rc;
 

@@ -136,8 +136,8 @@ impl LocationPhrase {
         Extent { places: self.places.len(), bare_distance: self.bare_distance, sided: self.sided }
     }
 
-    /// The relations to the entity that the places are relative to. A distance is the same from both
-    /// sides: it goes with the partner, or with the subject that has the partner.
+    /// The relations to the entity that the places are relative to. A distance is the same from
+    /// both sides: it goes with the partner, or with the subject that has the partner.
     pub(crate) fn kinds(&self, viewpoint: Viewpoint) -> Vec<RelationKind> {
         let of_distance = match viewpoint {
             Viewpoint::Subject => Viewpoint::Subject,

@@ -151,8 +151,8 @@ impl Parser<'_> {
         is_top
     }
 
-    /// Reads a joint and returns whether the clause goes on; none if the word at hand is not a joint
-    /// after all.
+    /// Reads a joint and returns whether the clause goes on; none if the word at hand is not a
+    /// joint after all.
     fn joint(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> Option<bool> {
         let (roles, is_top) = (self.roles(), clause.scope == Scope::Top);
         if roles.has_any(ENDS) {
@@ -183,8 +183,8 @@ impl Parser<'_> {
         self.copula(pattern, clause)
     }
 
-    /// A comma, unless it continues a list of entities: "men, women and children"; "which is taller,
-    /// the man or the woman".
+    /// A comma, unless it continues a list of entities: "men, women and children"; "which is
+    /// taller, the man or the woman".
     fn comma(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
         let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());

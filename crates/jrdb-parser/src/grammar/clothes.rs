@@ -1,4 +1,5 @@
-//! Colours of clothes: "in red", "wearing a blue jacket and black trousers", "without a white shirt".
+//! Colours of clothes: "in red", "wearing a blue jacket and black trousers", "without a white
+//! shirt".
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
@@ -104,7 +105,8 @@ impl Parser<'_> {
         true
     }
 
-    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where naming is optional.
+    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where naming is
+    /// optional.
     fn garment(&mut self, pattern: &mut Pattern, naming: Naming) -> bool {
         let (checkpoint, start) = (self.checkpoint(), self.state.at);
         self.skip_while(ARTICLES);

@@ -5,8 +5,9 @@
 //! optional.
 //!
 //! ```text
-//! question      = request | how | which | who | properties | yes_no | compare_counts | among | target
-//! request       = ("find" | "how many" | "where" | "describe") target            question.rs
+//! question      = request | how | which | who | properties | yes_no | compare_counts | among
+//!               | target                                                         question.rs
+//! request       = ("find" | "how many" | "where" | "describe") target
 //! how, which, who, properties        questions with a question word              wh.rs
 //! yes_no        = ("is" | "has" | …) (predicate_of | target)                     question.rs
 //! predicate_of  = noun_group place* (complement | clauses)                       subject.rs
@@ -21,7 +22,8 @@
 //!               | comparative | superlative | group | "between" partners | noun  predicate.rs
 //! activity      = ACTION | INTERACTION partners?                                 interaction.rs
 //! relation      = RELATION partners                                              interaction.rs
-//! location      = part ("and"? part)* reference?                                 location.rs, place.rs
+//! location      = place reference?                                               location.rs
+//! place         = part ("and"? part)*                                            place.rs
 //! possession    = ("has" | "with" | "without") noun_group location?              possession.rs
 //! clothes       = ("in" | "wearing" | …) color garment?                          clothes.rs
 //! superlative, comparative, ordinal                                              superlative.rs
@@ -33,17 +35,18 @@
 //!
 //! - **A production that returns `false`, `None` or an empty list has changed nothing**: neither
 //!   the state of the parser nor the pattern that it was given. A test runs the main productions at
-//!   every word of every test sentence. `true` means that words were consumed and understood or reported.
-//! - `joint` in clause.rs returns `Option<bool>`: none if the word at hand is not a joint, otherwise
-//!   whether the clause continues.
+//!   every word of every test sentence. `true` means that words were consumed and understood or
+//!   reported.
+//! - `joint` in clause.rs returns `Option<bool>`: none if the word at hand is not a joint,
+//!   otherwise whether the clause continues.
 //! - To try a reading, take a [`Checkpoint`](crate::parser::Checkpoint) and
 //!   [`rewind`](crate::parser::Parser::rewind) to it. This restores the complete
-//!   [`State`](crate::parser::State) and drops later issues and slots. Only the note that nesting was
-//!   too deep is kept. A production that has only moved the position may set the position back.
+//!   [`State`](crate::parser::State) and drops later issues and slots. Only the note that nesting
+//!   was too deep is kept. A production that has only moved the position may set the position back.
 //! - Functions named `is_…` and `…_at` only look ahead.
 //! - A production appends conditions to the pattern of the entity that it describes. Inside "not"
-//!   and behind "or", `conditions` is called instead of `predicates`, so that a superlative becomes a
-//!   condition too.
+//!   and behind "or", `conditions` is called instead of `predicates`, so that a superlative becomes
+//!   a condition too.
 //!
 //! # Who describes whom
 //!
@@ -51,11 +54,12 @@
 //!   it for the target; up to a joint or verb for a partner.
 //! - [`After`](crate::phrase::After) tells a predicate what precedes it. A noun can be a predicate
 //!   only behind a verb.
-//! - "him" stands for the antecedent: the subject while its partners are read, then the last partner.
+//! - "him" stands for the antecedent: the subject while its partners are read, then the last
+//!   partner.
 //! - "the one" stands for the last noun. Behind "and" and "or" it stands for the noun that the
 //!   question asks for, since it continues the outermost list: "the woman left of the chair and the
-//!   one sitting" finds either woman. Exceptions are "between" and "except", whose lists it continues, and
-//!   verbs of persons, which cannot describe a chair.
+//!   one sitting" finds either woman. Exceptions are "between" and "except", whose lists it
+//!   continues, and verbs of persons, which cannot describe a chair.
 //! - A noun group behind the subject of a yes-or-no question is a condition of the subject, and so
 //!   are its alternatives: "is the woman a chair or the one who is sitting" asks about one woman.
 //!

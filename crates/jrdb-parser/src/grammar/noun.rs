@@ -138,7 +138,8 @@ impl Parser<'_> {
         self.is(Role::Limit) && self.is_at(self.state.at + 1, Role::Number)
     }
 
-    /// Whether the number at hand counts a noun that follows, and is neither "one" alone nor a length.
+    /// Whether the number at hand counts a noun that follows, and is neither "one" alone nor a
+    /// length.
     fn is_count(&self) -> bool {
         let next = self.next_not_in(self.state.at, Roles::of(&[Role::Number]));
         let of_the = self.is_at(next, Role::Of) && self.is_at(next + 1, Role::The);

@@ -138,8 +138,8 @@ impl Parser<'_> {
         self.state.at > 0 && self.is_at(self.state.at - 1, Role::Of)
     }
 
-    /// One part: a direction, a distance, a length or an hour, with "my", "his" or "the man's" before
-    /// a direction.
+    /// One part: a direction, a distance, a length or an hour, with "my", "his" or "the man's"
+    /// before a direction.
     fn location_part(&mut self, location: &mut LocationPhrase) -> bool {
         let start = self.next_not_in(self.state.at, LEAD);
         if !self.roles_at(start).has_any(PART_START) {

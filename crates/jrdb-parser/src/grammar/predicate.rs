@@ -41,8 +41,8 @@ impl Parser<'_> {
         true
     }
 
-    /// [`Self::predicates`] as conditions only: in "not the tallest" and "sitting or the tallest" the
-    /// choice is one condition among others, and chooses nothing by itself.
+    /// [`Self::predicates`] as conditions only: in "not the tallest" and "sitting or the tallest"
+    /// the choice is one condition among others, and chooses nothing by itself.
     pub(crate) fn conditions(&mut self, pattern: &mut Pattern) -> bool {
         let outer = pattern.pick.take();
         let found = self.predicates(pattern);

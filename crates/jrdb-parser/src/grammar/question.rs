@@ -185,7 +185,8 @@ impl Parser<'_> {
         (task, target)
     }
 
-    /// A question without a question word: "the man near the table", "exactly three people sitting".
+    /// A question without a question word: "the man near the table", "exactly three people
+    /// sitting".
     fn verbless_question(&mut self) -> (Task, Pattern) {
         let target = self.target();
         match target.quantity {

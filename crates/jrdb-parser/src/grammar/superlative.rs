@@ -1,4 +1,5 @@
-//! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second from the left".
+//! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second
+//! from the left".
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
@@ -156,8 +157,8 @@ impl Parser<'_> {
         true
     }
 
-    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
-    /// "the tallest".
+    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of
+    /// the men" behind "the tallest".
     pub(crate) fn after_noun(&mut self, group: &mut NounGroup) {
         if group.pattern.pick.is_some() {
             self.after_superlative(group);

@@ -48,7 +48,8 @@ pub(crate) struct Lexicon {
     steps: Box<[Step; SLOTS]>,
 }
 
-/// 2^64 over the golden ratio: the top bits of a product with it depend on all bits of the other factor.
+/// 2^64 over the golden ratio: the top bits of a product with it depend on all bits of the other
+/// factor.
 const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// The first slot to look for a number.
