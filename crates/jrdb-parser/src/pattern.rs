@@ -1,6 +1,6 @@
 //! Builders of conditions and patterns.
 
-use jrdb_types::query::{Category, Measure, Place, Quantity, Related, RelationKind};
+use jrdb_types::query::{Category, Measure, Pick, Place, Quantity, Related, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
 /// Splits off the conditions from a position on. There are none if alternatives have joined them
@@ -179,6 +179,12 @@ fn fits(condition: &Condition, left: &mut usize) -> bool {
 
 fn pattern_fits(pattern: &Pattern, left: &mut usize) -> bool {
     pattern.conditions.iter().all(|condition| fits(condition, left))
+}
+
+/// The condition that something is the one picked of its category.
+pub(crate) fn chosen(pick: Pick, category: &Category) -> Condition {
+    let all = Pattern::of(category.clone());
+    Condition::Is(Box::new(Pattern { pick: Some(pick), ..all }))
 }
 
 /// Makes a pattern with a pick a condition, so that later conditions describe the one picked.

@@ -50,6 +50,8 @@ pub(crate) struct NounGroup {
     pub(crate) start: usize,
     /// "those" or "the one" without a noun.
     pub(crate) is_pronoun: bool,
+    /// Places of the subject were read: "is the man near the door".
+    pub(crate) has_places: bool,
 }
 
 impl NounGroup {
@@ -81,6 +83,8 @@ pub(crate) struct Part {
     pub(crate) start: usize,
     /// Position of the first word behind its noun.
     pub(crate) after_noun: usize,
+    /// Places of the subject were read: "is the man near the door".
+    pub(crate) has_places: bool,
     /// "and" precedes it, not "or".
     pub(crate) is_joined: bool,
 }

@@ -234,14 +234,13 @@ impl Parser<'_> {
     }
 
     fn adjective(&mut self, group: &mut NounGroup) -> bool {
-        let (entry, roles, at) = (self.entry(), self.roles(), self.state.at);
+        let (roles, at) = (self.roles(), self.state.at);
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
-        let conditions = &mut group.pattern.conditions;
         if roles.has(Role::Noun) || roles.has(Role::Implies) && self.is_adjective_here() {
             if !self.color_of_object() {
-                conditions.extend(entry.implies.iter().cloned());
+                group.pattern.conditions.extend(self.entry().implies.iter().cloned());
                 self.bump();
             }
             return true;
@@ -251,38 +250,57 @@ impl Parser<'_> {
         if roles.has(Role::Superlative) || is_compared {
             return self.chosen(group);
         }
-        if roles.has(Role::Non) && self.is_at(at + 1, Role::Implies) && self.is_noun_ahead(at + 1) {
-            let said = all_of(self.entry_at(at + 1).implies.clone());
-            conditions.push(Condition::Not(Box::new(said)));
-            self.state.at += 2;
-            return true;
-        }
-        if let Some((rank, length)) = self.ordinal() {
-            group.rank = Some((rank, at));
-            group.is_last = roles.has(Role::Last);
-            self.state.at += length;
-            return true;
-        }
         if roles.has(Role::Group) && !self.is_end() {
             return self.group(&mut group.pattern);
         }
-        if roles.has(Role::Number) && self.is_count() {
-            group.count = self.whole().map(|count| (count, at));
-            return group.count.is_some();
-        }
-        if !self.is_noun_ahead(at + 1) {
-            return false;
-        }
-        if let Some(place) = entry.distance.map(Place::Distance).or_else(|| self.side_place()) {
-            conditions.push(Condition::FromRobot(place));
-            self.bump();
+        self.count_or_rank(group)
+            || self.is_noun_ahead(at + 1)
+                && (self.negated_adjective(group)
+                    || self.place_adjective(group)
+                    || self.unknown_adjective())
+    }
+
+    /// "second", "2nd", "last"; "two".
+    fn count_or_rank(&mut self, group: &mut NounGroup) -> bool {
+        let at = self.state.at;
+        if let Some((rank, length)) = self.ordinal() {
+            group.rank = Some((rank, at));
+            group.is_last = self.is(Role::Last);
+            self.state.at += length;
             return true;
         }
-        if roles.has_any(Roles::of(&[Role::Unsupported, Role::Unknown])) {
+        let count = if self.is(Role::Number) && self.is_count() { self.whole() } else { None };
+        group.count = count.map(|count| (count, at)).or(group.count);
+        count.is_some()
+    }
+
+    /// "non-seated".
+    fn negated_adjective(&mut self, group: &mut NounGroup) -> bool {
+        let adjective = self.state.at + 1;
+        let found = self.is(Role::Non) && self.is_at(adjective, Role::Implies);
+        if found {
+            let implied = all_of(self.entry_at(adjective).implies.clone());
+            group.pattern.conditions.push(Condition::Not(Box::new(implied)));
+            self.state.at += 2;
+        }
+        found
+    }
+
+    /// "far" and "left" of "far people", "the left woman".
+    fn place_adjective(&mut self, group: &mut NounGroup) -> bool {
+        let distance = self.entry().distance.map(Place::Distance);
+        let Some(place) = distance.or_else(|| self.side_place()) else { return false };
+        group.pattern.conditions.push(Condition::FromRobot(place));
+        self.bump();
+        true
+    }
+
+    fn unknown_adjective(&mut self) -> bool {
+        let found = self.roles().has_any(Roles::of(&[Role::Unsupported, Role::Unknown]));
+        if found {
             self.report_unused();
-            return true;
         }
-        false
+        found
     }
 
     /// "or walking people" behind "standing".

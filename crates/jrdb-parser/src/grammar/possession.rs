@@ -6,7 +6,7 @@ use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{any_of, levels, push_related, related};
+use crate::pattern::{join_alternative, levels, push_related, related};
 use crate::phrase::{LocationPhrase, NounGroup, Reference};
 
 impl Parser<'_> {
@@ -21,39 +21,40 @@ impl Parser<'_> {
         self.bump();
         self.skip_while(Roles::of(&[Role::With, Role::Filler, Role::Either]));
         is_without |= self.eat(Role::Neither);
-        let mut found = false;
         let length = pattern.conditions.len();
         let mut is_or = false;
         while let Some(one) = self.one_possession(pattern) {
-            let is_negated = is_not(&one);
             let is_placed = is_placed(&one);
             // "No bag or phone" is neither.
             is_without |= is_or && pattern.conditions.last().is_some_and(is_not);
-            let condition =
-                if is_without && !is_negated { Condition::Not(Box::new(one)) } else { one };
-            match pattern.conditions.pop_if(|_| found && is_or && !is_without) {
-                Some(first) => pattern.conditions.push(any_of(vec![first, condition])),
-                None => pattern.conditions.push(condition),
+            let is_negated = is_without && !is_not(&one);
+            let condition = if is_negated { Condition::Not(Box::new(one)) } else { one };
+            pattern.conditions.push(condition);
+            if is_or && !is_without {
+                let last = pattern.conditions.len() - 1;
+                join_alternative(&mut pattern.conditions, last);
             }
-            found = true;
-            let is_more = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
-            let is_claimed = self.is_next_located_by_his() || self.is_head_resumed(self.state.at);
-            if !is_more || !self.is_noun_group_next() || is_claimed {
+            let is_first = pattern.conditions.len() - length == 1;
+            let is_person = is_first && self.is_person_next();
+            let is_other = is_person && !(is_placed && self.is_located_person_next());
+            if is_other || !self.is_possession_next() {
                 break;
-            }
-            if pattern.conditions.len() - length == 1 && self.is_person_next() {
-                let goes_on = is_placed && self.is_located_person_next();
-                if !goes_on {
-                    break;
-                }
             }
             is_or = self.is(Role::Or);
             self.bump();
         }
+        let found = pattern.conditions.len() > length;
         if !found {
             self.rewind(checkpoint);
         }
         found
+    }
+
+    /// Whether a joint and another possession follow, which describes nothing else.
+    fn is_possession_next(&self) -> bool {
+        let is_joint = self.roles().has_any(Roles::of(&[Role::And, Role::Or, Role::Neither]));
+        let is_claimed = self.is_next_located_by_his() || self.is_head_resumed(self.state.at);
+        is_joint && self.is_noun_group_next() && !is_claimed
     }
 
     /// "'s bag" behind "the woman": the bag that is with the woman.

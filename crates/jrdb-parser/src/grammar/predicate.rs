@@ -8,7 +8,7 @@ use crate::grammar::noun::NOUN_START;
 use crate::grammar::place::LOCATION_START;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{all_of, alternative, any_of, push_related, split_from};
+use crate::pattern::{all_of, alternative, any_of, chosen, push_related, split_from};
 use crate::phrase::After;
 
 impl Parser<'_> {
@@ -47,9 +47,7 @@ impl Parser<'_> {
         let outer = pattern.pick.take();
         let found = self.predicates(pattern);
         if let Some(pick) = std::mem::replace(&mut pattern.pick, outer) {
-            let all = Pattern::of(pattern.category.clone());
-            let chosen = Pattern { pick: Some(pick), ..all };
-            pattern.conditions.push(Condition::Is(Box::new(chosen)));
+            pattern.conditions.push(chosen(pick, &pattern.category));
         }
         found
     }

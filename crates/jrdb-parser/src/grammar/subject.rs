@@ -7,7 +7,7 @@ use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{alternative, any_of, identify, related, set_count, split_from};
+use crate::pattern::{alternative, any_of, chosen, identify, related, set_count, split_from};
 use crate::phrase::{After, NounGroup, Target};
 
 /// What begins a place that may belong to the subject.
@@ -37,27 +37,19 @@ impl Parser<'_> {
     pub(crate) fn predicate_of(&mut self, mut group: NounGroup) -> Target {
         self.begin_target(group.noun);
         set_count(&mut group.pattern, group.count);
-        let mut subject = group.pattern.conditions.len();
-        let mut picks_last = false;
-        while self.is_place_of_subject() {
-            let (length, had_pick) = (group.pattern.conditions.len(), group.pattern.pick.is_some());
-            if self.is(Role::Superlative) && had_pick || !self.place_of_subject(&mut group.pattern)
-            {
-                break;
-            }
-            (subject, picks_last) = (length, !had_pick && group.pattern.pick.is_some());
-        }
+        let (own, had_pick) = (group.pattern.conditions.len(), group.pattern.pick.is_some());
+        let last = self.places_of_subject(&mut group.pattern);
         if self.is(Role::Who) {
             return self.finish_target(group);
         }
+        group.has_places = group.pattern.conditions.len() > own;
         let mut asked = Vec::new();
         if self.is_end() || self.roles().has_any(CLAUSE_ENDS) {
-            asked = split_from(&mut group.pattern.conditions, subject);
-            let pick = group.pattern.pick.take_if(|_| picks_last);
-            asked.extend(pick.map(|pick| {
-                let of = Pattern::of(group.pattern.category.clone());
-                Condition::Is(Box::new(Pattern { pick: Some(pick), ..of }))
-            }));
+            asked = split_from(&mut group.pattern.conditions, last.unwrap_or(own));
+            // A pick that was read last is what is asked.
+            let is_last = asked.is_empty() && last.is_some() && !had_pick;
+            let pick = group.pattern.pick.take_if(|_| is_last);
+            asked.extend(pick.map(|pick| chosen(pick, &group.pattern.category)));
         }
         let is_bare = asked.is_empty() && self.is_end();
         if let Some(pick) = group.pattern.pick.as_ref().filter(|_| !is_bare) {
@@ -68,6 +60,34 @@ impl Parser<'_> {
         group.pattern.conditions.extend(asked);
         self.subject_complement(&mut group.pattern);
         Target { head, ..self.finish_target(group) }
+    }
+
+    /// Reads the places behind the subject. Returns the number of conditions before the last one.
+    fn places_of_subject(&mut self, pattern: &mut Pattern) -> Option<usize> {
+        let mut last = None;
+        while self.is_place_of_subject() {
+            let (before, had_pick) = (pattern.conditions.len(), pattern.pick.is_some());
+            if self.is(Role::Superlative) && had_pick || !self.place_of_subject(pattern) {
+                break;
+            }
+            last = Some(before);
+        }
+        last
+    }
+
+    /// Reads the places of one more subject, if its predicate follows: "is the man near the door and
+    /// the one near the table sitting".
+    pub(crate) fn places_before_predicate(&mut self, pattern: &mut Pattern) -> bool {
+        let (checkpoint, own) = (self.checkpoint(), pattern.conditions.len());
+        let had_pick = pattern.pick.is_some();
+        let found = self.places_of_subject(pattern).is_some();
+        if found && (self.is_end() || self.roles().has_any(CLAUSE_ENDS)) {
+            pattern.conditions.truncate(own);
+            pattern.pick.take_if(|_| !had_pick);
+            self.rewind(checkpoint);
+            return false;
+        }
+        found
     }
 
     fn is_place_of_subject(&self) -> bool {

@@ -60,7 +60,15 @@ impl Parser<'_> {
             self.choice(&mut pattern);
         }
         let pattern = if self.roles().has_any(JOINTS) && self.is_noun_group_next() {
-            self.others(Part { pattern, noun, head, start, after_noun, is_joined: true })
+            self.others(Part {
+                pattern,
+                noun,
+                head,
+                start,
+                after_noun,
+                has_places: group.has_places,
+                is_joined: true,
+            })
         } else {
             pattern
         };
@@ -93,10 +101,11 @@ impl Parser<'_> {
                 self.report_resumed(start);
             }
             self.begin_target(noun);
+            let has_places = parts[0].has_places && self.places_before_predicate(&mut pattern);
             let (head, after_noun) = (pattern.conditions.len(), self.state.at);
             self.clauses(&mut pattern, Scope::Top);
             set_count(&mut pattern, count);
-            parts.push(Part { pattern, noun, head, start, after_noun, is_joined });
+            parts.push(Part { pattern, noun, head, start, after_noun, has_places, is_joined });
         }
         if is_list {
             let message = "read as a list of things, each of which is meant".into();
