@@ -1,11 +1,12 @@
-//! Feeds the parser what nobody would type, for as long as you like.
+//! Runs the parser on random texts for a given time.
 //!
 //! `cargo run --release -p jrdb-parser --example fuzz -- [SECONDS] [SEED]`
 //!
-//! Texts are sentences of the tests cut up and mixed, words of them in any order, and random characters; short ones
-//! mostly, and now and then a very long one. Of every text: it is read without a panic and in time that grows with its
-//! length, every issue is about whole characters of it, its explanation can be printed, and its notation reads back as
-//! the same query. The first text that fails is printed, and ends the run with exit code 1.
+//! Texts are sentences of the tests, cut up and mixed, their words in random order, and random
+//! characters. Most are short; a few are very long. Each text must be read without a panic and in
+//! time linear in its length. Each issue must cover whole characters, the explanation must print,
+//! and the notation must read back as the same query. The first failure is printed and ends the run
+//! with exit code 1.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "its result is what it prints")]
 
 use std::process::ExitCode;
@@ -16,11 +17,12 @@ use jrdb_types::Query;
 
 const SENTENCES: &str = include_str!("../tests/sentences.query");
 
-/// What a text may take: this, and for each byte of it as much again.
+/// Time allowed per text, plus time per byte.
 const PER_TEXT: Duration = Duration::from_millis(50);
 const PER_BYTE: Duration = Duration::from_micros(5);
 
-/// Characters that break things: marks, quotes, controls, wide, combining, right to left, beyond the first plane.
+/// Characters that often cause faults: marks, quotes, controls, wide, combining, right to left,
+/// outside the first plane.
 const ODD: &[char] = &[
     ' ', ' ', ',', '.', '?', '!', '\'', '’', '"', '-', '–', '/', '\\', '(', ')', '[', ']', '{',
     '}', ':', ';', '&', '%', '0', '9', '\n', '\t', '\r', '\0', '\u{7f}', 'é', 'ß', 'İ', 'ﬀ',

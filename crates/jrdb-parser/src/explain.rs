@@ -1,4 +1,4 @@
-//! A query for a person to read: its sentence, its algebra, and its issues underlined.
+//! A query in readable form: the question, the notation, and the issues underlined.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use jrdb_types::{Issue, Query, Span};
 
 use crate::notation;
 
-/// The question, its algebra in the notation, and each issue under the words that it is about.
+/// Returns the question, its notation, and each issue under the words that it is about.
 ///
 /// ```
 /// use jrdb_parser::{explain, parse};
@@ -22,14 +22,14 @@ use crate::notation;
 /// ```
 #[must_use]
 pub fn explain(text: &str, query: &Query) -> String {
-    let mut out = format!("{}\n= {}\n", shown(text), notation::write(query));
+    let mut out = format!("{}\n= {}\n", printable(text), notation::write(query));
     for issue in &query.issues {
         underline(&mut out, text, issue);
     }
     out
 }
 
-/// Appends the line that the issue is about, with carets below it and the message behind them.
+/// Appends the line with the issue, with carets below its words and the message behind them.
 fn underline(out: &mut String, text: &str, issue: &Issue) {
     let span = issue.span.unwrap_or(Span { start: 0, end: 0 });
     let (start, end) = (boundary(text, span.start), boundary(text, span.end));
@@ -39,9 +39,9 @@ fn underline(out: &mut String, text: &str, issue: &Issue) {
     let blanks = columns(&text[line_start..start]);
     let carets = columns(&text[start..end.clamp(start, line_end)]);
     let marks = "^".repeat(carets.max(usize::from(issue.span.is_some())));
-    let _ = write!(out, "\n{}\n{}{marks} {}", shown(line), " ".repeat(blanks), issue.message);
-    let is_told = issue.kind == IssueKind::MisspelledWord;
-    if let Some(suggestion) = issue.suggestion.as_ref().filter(|_| !is_told) {
+    let _ = write!(out, "\n{}\n{}{marks} {}", printable(line), " ".repeat(blanks), issue.message);
+    let is_in_message = issue.kind == IssueKind::MisspelledWord;
+    if let Some(suggestion) = issue.suggestion.as_ref().filter(|_| !is_in_message) {
         let _ = write!(out, "; did you mean {suggestion:?}?");
     }
     out.push('\n');
@@ -52,18 +52,18 @@ fn boundary(text: &str, at: usize) -> usize {
     (0..=at.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0)
 }
 
-/// The text as it is printed: a tab or another control character is one blank wide.
-fn shown(text: &str) -> String {
+/// The text as printed: a tab or another control character is one blank wide.
+fn printable(text: &str) -> String {
     text.chars().map(|c| if c.is_control() && c != '\n' { ' ' } else { c }).collect()
 }
 
-/// How many columns of a terminal a text takes.
+/// Width of a text in terminal columns.
 fn columns(text: &str) -> usize {
     text.chars().map(width).sum()
 }
 
-/// Columns of a character: none for marks that combine with the one before, two for the wide scripts and pictures
-/// (the ranges of Unicode's East Asian Width that matter in questions).
+/// Width of a character in columns: 0 for combining marks, 2 for wide scripts and pictures (the
+/// ranges of Unicode's East Asian Width that matter in questions).
 fn width(character: char) -> usize {
     match character {
         '\u{300}'..='\u{36f}'

@@ -1,53 +1,22 @@
 #![doc = include_str!("../README.md")]
 
-mod clause;
-mod clothes;
-mod coordination;
-mod deed;
+mod config;
 mod explain;
-mod joined;
+mod grammar;
+mod issues;
 mod lexicon;
 pub mod notation;
-mod noun;
-mod number;
-mod order;
 mod parser;
-mod place;
-mod predicate;
-mod question;
-mod shared;
-mod spot;
-mod subject;
+mod pattern;
+mod phrase;
 mod suggest;
-mod time;
-mod wh;
-mod words;
+mod token;
 
 use jrdb_types::{Pattern, Query, Task};
-use serde::{Deserialize, Serialize};
 
+pub use config::{OfPerson, ParserConfig};
 pub use explain::explain;
 use parser::Parser;
-
-/// How the parser reads what English leaves open.
-#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct ParserConfig {
-    /// From where "left of the man" is told.
-    pub viewpoint: OfPerson,
-}
-
-/// Whose left "left of the man" is. A table has no left of its own: there it is always the robot's.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum OfPerson {
-    /// The man's own left; an issue says so. The default, for the benchmark tells directions between people in their own
-    /// frames.
-    #[default]
-    Own,
-    /// The left of the two as the robot sees them.
-    Robot,
-}
 
 /// Reads an English question, as [`parse_with`] does with the default configuration.
 ///
@@ -64,9 +33,9 @@ pub fn parse(text: &str) -> Query {
 
 /// Reads an English question.
 ///
-/// Never fails and never drops a word in silence: words that are not understood are issues with their bytes and, where
-/// one is near, the word that was probably meant. A word that is one edit from one known word is read as that, and
-/// reported.
+/// Never fails, and never ignores a word silently: each word that is not understood is an issue
+/// with its bytes and, if a known word is similar, a suggestion. A word that is one edit from a
+/// single known word is read as that word and reported.
 ///
 /// ```
 /// use jrdb_parser::{OfPerson, ParserConfig, notation, parse_with};
@@ -76,13 +45,13 @@ pub fn parse(text: &str) -> Query {
 /// ```
 #[must_use]
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
-    let (mut tokens, mut issues) = (words::Tokens::new(), Vec::new());
-    words::tokenize(text, &mut tokens, &mut issues);
+    let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
+    token::tokenize(text, &mut tokens, &mut issues);
     Parser::new(text, config, &tokens, issues).question()
 }
 
-/// Whether anything of the text was understood: some word of it says what is asked or of what. Not so for an empty text,
-/// another language, or words that are all unknown.
+/// Whether any part of the text was understood: whether a word states what is asked or about what.
+/// False for an empty text, another language, or unknown words only.
 ///
 /// ```
 /// use jrdb_parser::{parse, understood};
@@ -113,8 +82,8 @@ mod tests {
         assert_eq!(read(man, &robot), ("find person[seen direction=left: person[male]]".into(), 0));
         let table = "who is left of the table?";
         assert_eq!(read(table, &own), read(table, &robot));
-        let told = "who is on the man's left?";
-        assert_eq!(read(told, &own), read(told, &robot));
+        let owned = "who is on the man's left?";
+        assert_eq!(read(owned, &own), read(owned, &robot));
     }
 
     #[test]

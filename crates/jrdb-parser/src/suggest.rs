@@ -1,18 +1,18 @@
-//! What a word that is not in the lexicon was probably meant to be.
+//! Suggestions for words that are not in the lexicon.
 
 use crate::lexicon::LEXICON;
 
-/// Known words near an unknown one.
+/// The known word nearest to an unknown one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Suggestion {
-    /// One edit away, as no other word of another meaning is.
+    /// One edit away, and no other word of another meaning is.
     Only(&'static str),
-    /// The nearest, or the first of the nearest; not sure enough to be used.
+    /// The nearest, or the first of several: not certain enough to be used.
     Perhaps(&'static str),
 }
 
 impl Suggestion {
-    /// The word, sure or not.
+    /// The word, certain or not.
     pub(crate) fn word(self) -> &'static str {
         match self {
             Self::Only(word) | Self::Perhaps(word) => word,
@@ -20,13 +20,13 @@ impl Suggestion {
     }
 }
 
-/// Letters of the longest word that is looked at; longer ones are no typos of ours.
+/// Letters of the longest word that is looked up; longer ones are not typing errors.
 const LETTERS_MAX: usize = 24;
 
-/// Letters of the shortest word that is looked at: shorter ones are near to too many.
+/// Letters of the shortest word that is looked up; shorter ones are near too many words.
 const LETTERS_MIN: usize = 4;
 
-/// The known words nearest to a word, at most two edits away (one, for words of up to five letters).
+/// The known word nearest to a word, at most two edits away (one, for words of up to five letters).
 pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
     let word: Vec<u8> =
         word.bytes().take(LETTERS_MAX + 1).map(|b| b.to_ascii_lowercase()).collect();
@@ -41,7 +41,7 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
         if known.len().abs_diff(word.len()) > allowed || known.len() < LETTERS_MIN - 1 {
             continue;
         }
-        // An edit changes which letters there are by two at most.
+        // One edit changes the set of letters by at most two.
         let differ = letters ^ self::letters(known.as_bytes());
         if differ.count_ones() as usize > 2 * allowed {
             continue;
@@ -63,7 +63,7 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
     })
 }
 
-/// Which letters a word has, one bit for each.
+/// The set of letters of a word, one bit each.
 fn letters(word: &[u8]) -> u32 {
     word.iter().fold(0, |letters, byte| letters | 1 << (byte & 31))
 }

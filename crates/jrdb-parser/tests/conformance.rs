@@ -1,4 +1,4 @@
-//! The questions that the benchmark's own engine made.
+//! The questions that the benchmark's own engine generated.
 #![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
 
 use std::collections::BTreeMap;

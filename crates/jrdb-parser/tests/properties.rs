@@ -1,4 +1,4 @@
-//! Laws: the benchmark's grammar is read exactly, and no text is too strange to be read.
+//! Properties: the benchmark's grammar is read exactly, and every text is read without a fault.
 #![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
 
 use jrdb_parser::{explain, notation, parse, understood};
@@ -23,7 +23,7 @@ fn word_of(words: &'static [&'static str]) -> impl Strategy<Value = &'static str
 const SECTORS: &[&str] =
     &["front", "front left", "left", "back left", "back", "back right", "right", "front right"];
 
-/// Labels of JRDB-Social as the benchmark speaks of them, and as they are.
+/// Labels of JRDB-Social in the benchmark's words, and as in the data set.
 const DEEDS: &[(&str, &str)] = &[
     ("chatting", "conversation"),
     ("walking toward", "walking toward each other"),
@@ -104,7 +104,7 @@ fn object() -> impl Strategy<Value = Part> {
     })
 }
 
-/// What is said behind "who is", in the benchmark's order.
+/// Predicates behind "who is", in the benchmark's order.
 fn fragment() -> impl Strategy<Value = Vec<Part>> {
     let action = prop::option::of(prop::sample::select(Action::ALL))
         .prop_map(|action| action.map(|a| part(a.to_string(), a.to_string())));
@@ -116,7 +116,8 @@ fn fragment() -> impl Strategy<Value = Vec<Part>> {
     });
     let social = (prop::option::of(deed()), prop::option::of(beside()), prop::option::of(object()));
     (action, far, side, social).prop_map(|(action, far, side, (deed, beside, object))| {
-        // One relation to the same, described thing is written as one: told apart in `sentences.query`.
+        // Two relations to the same described person are written as one, which `sentences.query`
+        // covers.
         let partner = |p: &Part| p.meaning.rsplit_once(": ").map(|(_, who)| who.to_owned());
         let same = deed.as_ref().and_then(partner) == beside.as_ref().and_then(partner);
         let beside = beside.filter(|_| deed.is_none() || !same);
@@ -219,7 +220,7 @@ fn long_texts_take_no_long_time() {
         let query = parse(&text.repeat(20_000));
         serde_json::to_string(&query).unwrap();
     }
-    // A quadratic reader takes minutes for these; the bound is far above what a slow machine needs.
+    // A quadratic parser takes minutes for these; the limit is far above what a slow machine needs.
     assert!(start.elapsed().as_secs() < 30, "{:?}", start.elapsed());
 }
 

@@ -1,10 +1,10 @@
-//! Every question of `sentences.query` means what stands below it, and nothing of it is reported but what is said there.
+//! Every question of `sentences.query` has the meaning and the issues that are written below it.
 #![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
 
 use jrdb_parser::{notation, parse};
 use jrdb_types::{Issue, Query};
 
-/// A question with what is written below it.
+/// A question with its expected meaning and issues.
 struct Case {
     line: usize,
     text: &'static str,
@@ -28,7 +28,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Whether the issues are those that are expected, in any order.
+/// Whether the issues are the expected ones, in any order.
 fn are_expected(issues: &[Issue], case: &Case) -> bool {
     let is = |issue: &Issue, (words, message): &(&str, &str)| {
         let span = issue.span.map_or("", |span| &case.text[span.start..span.end]);
@@ -39,7 +39,7 @@ fn are_expected(issues: &[Issue], case: &Case) -> bool {
         && case.issues.iter().all(|e| issues.iter().any(|issue| is(issue, e)))
 }
 
-/// What is wrong with the reading of a case.
+/// The difference between the reading and the expectation, if there is one.
 fn fault(case: &Case) -> Option<String> {
     let query = parse(case.text);
     let expected = notation::read(case.meaning).map_err(|e| (case.line, e)).unwrap();

@@ -4,52 +4,19 @@ use jrdb_types::query::{Measure, Order, Task};
 use jrdb_types::vocab::{Color, Elevation, Sector};
 use jrdb_types::{Condition, DistanceWord, Pattern, Query};
 
+use super::entry::{Entry, Garment, Limit, Measured};
+use super::piece::{self, Piece, special};
 use super::role::Role;
-use super::{Entry, Lexicon};
+use super::table::Lexicon;
 use crate::notation;
-use crate::words;
 
-/// What a superlative or comparative is about; a distance is to the robot unless a thing is named.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Measured {
-    Distance,
-    FromLeft,
-    Height,
-    Age,
-    Speed,
-}
-
-/// How a number limits what it counts or measures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Limit {
-    AtMost,
-    LessThan,
-    AtLeast,
-    MoreThan,
-    Exactly,
-    About,
-}
-
-/// Where a piece of clothing is worn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Garment {
-    /// Above the waist.
-    Upper,
-    /// Below the waist.
-    Lower,
-    /// Above, below or both.
-    Any,
-    /// On the head, the feet or elsewhere.
-    Other,
-}
-
-/// Reads the whole file; the error is the line at fault.
+/// Reads the whole file; the error is the faulty line.
 pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
     let mut lexicon = Lexicon::new();
     for line in text.lines().filter(|line| !line.is_empty() && !line.starts_with('#')) {
         let (phrases, meanings) = line.split_once(" -> ").ok_or(line)?;
         for phrase in phrases.split(", ") {
-            let pieces = words::split(phrase).map(|(piece, _)| lexicon.piece(phrase, piece));
+            let pieces = piece::split(phrase).map(|(piece, _)| lexicon.piece(phrase, piece));
             let numbers: Vec<u16> = pieces.collect::<Option<_>>().ok_or(line)?;
             if numbers.is_empty() {
                 return Err(line.to_owned());
@@ -67,37 +34,37 @@ pub(super) fn read(text: &'static str) -> Result<Lexicon, String> {
 }
 
 impl Lexicon {
-    fn piece(&mut self, phrase: &'static str, piece: words::Piece) -> Option<u16> {
-        if piece.word < super::special::COUNT && piece.word != super::special::UNKNOWN {
+    fn piece(&mut self, phrase: &'static str, piece: Piece) -> Option<u16> {
+        if piece.word < special::COUNT && piece.word != special::UNKNOWN {
             return Some(piece.word);
         }
         self.intern(&phrase[piece.start..piece.end])
     }
 }
 
-/// Whether a noun names several things; a noun that is otherwise than its ending says is given `word plural` too.
+/// Whether a noun is plural by its ending. Exceptions are marked `word plural` in the file.
 fn is_plural(noun: &str) -> bool {
     let has_s = noun.ends_with('s') && !noun.ends_with("ss");
     has_s || ["men", "people", "folk", "children"].iter().any(|end| noun.ends_with(end))
 }
 
-/// Adds one meaning, such as `says walking`; none when it is not one.
+/// Adds one meaning, such as `implies walking`; none if it is malformed.
 fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
     let (kind, value) = meaning.split_once(' ')?;
     let role = match kind {
         "thing" => {
             let pattern = pattern(value)?;
             entry.category = Some(pattern.category);
-            entry.says.extend(pattern.conditions);
+            entry.implies.extend(pattern.conditions);
             Role::Noun
         }
-        "says" => {
+        "implies" => {
             let condition = condition(value)?;
             if is_action(&condition) {
                 entry.roles.insert(Role::Action);
             }
-            entry.says.push(condition);
-            Role::Says
+            entry.implies.push(condition);
+            Role::Implies
         }
         "relation" => {
             let Condition::Related(mut related) = condition(&format!("{value}: person"))? else {
@@ -107,8 +74,8 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
             entry.relation = related.kinds.pop();
             Role::Relation
         }
-        "people" => put(&mut entry.people, Some(value.to_owned()), Role::Deed)?,
-        "object" => put(&mut entry.object, Some(value.to_owned()), Role::Deed)?,
+        "people" => put(&mut entry.people, Some(value.to_owned()), Role::Interaction)?,
+        "object" => put(&mut entry.object, Some(value.to_owned()), Role::Interaction)?,
         "distance" => put(&mut entry.distance, DistanceWord::from_word(value), Role::Far)?,
         "sector" => put(&mut entry.sector, Sector::from_word(value), Role::Sector)?,
         "elevation" => put(&mut entry.elevation, Elevation::from_word(value), Role::Sector)?,
@@ -121,7 +88,7 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
         "less" => put(&mut entry.order, order(value, Order::Least), Role::Comparative)?,
         "more" => put(&mut entry.order, order(value, Order::Most), Role::Comparative)?,
         "asks" => put(&mut entry.asks, property(value), Role::Asks)?,
-        "lacks" => put(&mut entry.lacks, Some(value.to_owned()), Role::Lacks)?,
+        "unsupported" => put(&mut entry.unsupported, Some(value.to_owned()), Role::Unsupported)?,
         "color" => put(&mut entry.color, Color::from_word(value), Role::Color)?,
         "garment" => put(&mut entry.garment, garment(value), Role::Garment)?,
         "word" => Role::from_word(value)?,
@@ -207,8 +174,8 @@ mod tests {
     fn a_line_at_fault_is_named() {
         for line in [
             "cat thing animal",
-            "counterintelligence -> word stranger",
-            "cat -> says tall",
+            "counterintelligence -> word common",
+            "cat -> implies tall",
             "cat -> word purr",
             "cat -> legs 4",
         ] {

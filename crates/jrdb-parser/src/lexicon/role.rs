@@ -1,14 +1,14 @@
-//! The parts that words play in the grammar.
+//! The roles of words in the grammar.
 
 /// A list of roles, at most 128: a set of them is one number.
 macro_rules! roles {
     ($($(#[doc = $doc:literal])+ $name:ident = $word:literal,)+) => {
-        /// The part that a word plays in the grammar; a word may play several.
+        /// The role of a word in the grammar. A word may have several.
         #[derive(Debug, Clone, Copy, PartialEq, Eq)]
         pub(crate) enum Role { $($(#[doc = $doc])+ $name,)+ }
 
         impl Role {
-            /// The role that the lexicon's `word` line names so.
+            /// The role that a `word` line of the lexicon names.
             pub(super) fn from_word(word: &str) -> Option<Self> {
                 match word { $($word => Some(Self::$name),)+ _ => None }
             }
@@ -27,16 +27,16 @@ roles! {
     Slash = "(slash)",
     /// A dash between numbers.
     Dash = "(dash)",
-    /// Names a kind of thing.
+    /// Names a category.
     Noun = "(noun)",
-    /// Says something of the thing spoken of.
-    Says = "(says)",
-    /// Says what a body does; such words also stand behind the noun.
+    /// Implies conditions for the entity that it names or describes.
+    Implies = "(implies)",
+    /// Implies an action of the body; such words also stand behind the noun.
     Action = "(action)",
-    /// Takes a thing behind it and relates to it.
+    /// Relates the subject to a noun behind it.
     Relation = "(relation)",
-    /// Done with people, or with an object.
-    Deed = "(deed)",
+    /// An interaction with people or an object.
+    Interaction = "(interaction)",
     /// A distance in words.
     Far = "(far)",
     /// A sector or an elevation.
@@ -49,10 +49,10 @@ roles! {
     Ordinal = "(ordinal)",
     /// "metres".
     Unit = "(unit)",
-    /// Something a question can ask for.
+    /// A property that a question can ask for.
     Asks = "(asks)",
     /// Something that no scene graph holds.
-    Lacks = "(lacks)",
+    Unsupported = "(unsupported)",
     /// A colour.
     Color = "(color)",
     /// A piece of clothing.
@@ -71,7 +71,7 @@ roles! {
     Who = "who",
     /// "which", "what": begins a question.
     Which = "which",
-    /// "what": of things as well as of people.
+    /// "what": about objects and people.
     What = "what",
     /// "whose".
     Whose = "whose",
@@ -109,7 +109,7 @@ roles! {
     Either = "either",
     /// "and".
     And = "and",
-    /// "but": except, before a thing.
+    /// "but": except, before a noun.
     But = "but",
     /// "or".
     Or = "or",
@@ -125,7 +125,7 @@ roles! {
     More = "more",
     /// "fewer".
     Fewer = "fewer",
-    /// "of", and "in front of": a thing must follow.
+    /// "of", and "in front of": a noun must follow.
     Of = "of",
     /// "to", "from".
     To = "to",
@@ -145,11 +145,11 @@ roles! {
     His = "his",
     /// "him".
     Him = "him",
-    /// "it": no person.
+    /// "it": not a person.
     It = "it",
     /// "please".
     Filler = "filler",
-    /// "side", "distance", "away": belongs to a place and adds nothing.
+    /// "side", "distance", "away": part of a place, without meaning of its own.
     Side = "side",
     /// "within", "at least", "exactly": limits a number.
     Limit = "(limit)",
@@ -171,7 +171,7 @@ roles! {
     If = "if",
     /// "non" of "non-seated".
     Non = "non",
-    /// "among": of which things the question is.
+    /// "among": followed by the candidates.
     Among = "among",
     /// "radius".
     Radius = "radius",
@@ -181,12 +181,12 @@ roles! {
     Last = "last",
     /// "towards": where a walk leads.
     Towards = "towards",
-    /// Names several things, or is said of several.
+    /// A plural noun or verb.
     Plural = "plural",
-    /// Names one thing, or is said of one.
+    /// A singular noun or verb.
     Singular = "singular",
-    /// A common word that has no part in questions.
-    Stranger = "stranger",
+    /// A common word without a role in questions.
+    Common = "common",
 }
 
 /// A set of roles.

@@ -1,16 +1,16 @@
-//! Where the reader of the notation stands, and what it can see from there.
+//! The position of the reader of the notation, and its elementary operations.
 
 use jrdb_types::Span;
 
-use super::read::NotationError;
+use super::error::NotationError;
 use super::token::{Kind, Token, tokenize};
 
-/// Patterns and conditions inside each other at most; nobody writes as many.
+/// Maximum depth of nested patterns and conditions.
 const DEPTH_MAX: usize = 60;
 
 pub(super) type Read<T> = Result<T, NotationError>;
 
-/// The pieces of a text, and the place among them.
+/// The pieces of a text and the position among them.
 pub(super) struct Reader<'a> {
     text: &'a str,
     tokens: Vec<Token>,

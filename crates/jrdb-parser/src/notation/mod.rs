@@ -1,4 +1,5 @@
-//! The text form of the query algebra: what `jrdb parse` shows, and what may be written instead of English.
+//! The text form of the query algebra: the output of `jrdb parse`, which is also accepted instead
+//! of English.
 //!
 //! ```text
 //! find person[female, sitting, at direction=left: person[child], distance=close]
@@ -6,19 +7,21 @@
 //! exists person[child, between person[(young or elderly)]: person[(young or elderly)]]
 //! ```
 //!
-//! `docs/formats.md` has the grammar. [`write()`] and [`read`] are inverse to each other.
+//! `docs/formats.md` has the grammar. [`write()`] and [`read()`] are inverse to each other.
 
 mod cursor;
+mod error;
 mod read;
 mod token;
 mod write;
 
-pub use read::{NotationError, read};
+pub use error::NotationError;
+pub use read::read;
 pub use write::write;
 
 use jrdb_types::query::Property;
 
-/// Keywords of the properties that can be asked.
+/// Keywords of the properties that a question can ask for.
 const PROPERTIES: [(Property, &str); 11] = [
     (Property::Age, "age"),
     (Property::Gender, "gender"),
@@ -33,7 +36,7 @@ const PROPERTIES: [(Property, &str); 11] = [
     (Property::Category, "category"),
 ];
 
-/// Whether a text is meant as notation rather than as English: only notation has brackets of these kinds.
+/// Whether a text is notation and not English: only notation has these brackets.
 ///
 /// ```
 /// use jrdb_parser::notation::is_notation;

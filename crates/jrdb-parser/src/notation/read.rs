@@ -1,31 +1,18 @@
-//! Notation to query.
+//! Reads the notation.
 
 use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
     RelationKind, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Color, Elevation, PairWord, Sector};
-use jrdb_types::{
-    Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race, Span,
-};
+use jrdb_types::{Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race};
 
 use super::PROPERTIES;
 use super::cursor::{Read, Reader};
+use super::error::NotationError;
 use super::token::Kind;
 
-/// A text that is no notation: what was expected, what stands there, and where.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("expected {expected}, found {found} at byte {}", span.start)]
-pub struct NotationError {
-    /// What could stand there.
-    pub expected: String,
-    /// What does.
-    pub found: String,
-    /// Where, bytes of the text.
-    pub span: Span,
-}
-
-/// Reads a query in the notation; its `text` is the notation itself.
+/// Reads a query in the notation. Its `text` is the notation itself.
 ///
 /// ```
 /// use jrdb_parser::notation::{read, write};
@@ -69,7 +56,7 @@ impl Reader<'_> {
             "which" => self.which()?,
             _ => {
                 let order = if word == "more" { Order::Most } else { Order::Least };
-                // Whom they are compared with comes behind the target.
+                // What they are compared with follows the target.
                 Task::CompareCounts { order, than: Box::default() }
             }
         })
@@ -93,7 +80,7 @@ impl Reader<'_> {
         Ok(Task::Which { properties: Vec::<Property>::from_iter(properties), in_order })
     }
 
-    /// A number of things where one may stand; some, where none does.
+    /// An optional quantity; the default is "some".
     fn quantity(&mut self) -> Read<Quantity> {
         let has_number = matches!(self.peek().map(|token| &token.kind), Some(Kind::Number(_)));
         let has_mark = ["=", ">=", "<="].iter().any(|mark| self.is(mark));
@@ -174,7 +161,7 @@ impl Reader<'_> {
         if self.takes("lower") {
             return self.color().map(Condition::LowerColor);
         }
-        if let Some(place) = self.place()? {
+        if let Some(place) = self.sector_or_distance()? {
             return Ok(Condition::FromRobot(place));
         }
         if let Some(kind) = self.relation()? {
@@ -255,7 +242,7 @@ impl Reader<'_> {
         Ok(Pick { measure, order, rank, count })
     }
 
-    fn place(&mut self) -> Read<Option<Place>> {
+    fn sector_or_distance(&mut self) -> Read<Option<Place>> {
         let place = if self.takes("distance") {
             self.expect("=")?;
             let word = self.vocabulary(DistanceWord::from_word);
@@ -286,7 +273,7 @@ impl Reader<'_> {
             () => None,
         };
         if let Some(viewpoint) = viewpoint {
-            let place = self.place()?.ok_or_else(|| self.wanted("a place"))?;
+            let place = self.sector_or_distance()?.ok_or_else(|| self.wanted("a place"))?;
             return Ok(Some(RelationKind::Placed { place, viewpoint }));
         }
         if self.takes("does") {

@@ -92,7 +92,7 @@ fn number() -> impl Strategy<Value = f64> {
     (-10_000_i32..10_000).prop_map(|n| f64::from(n) / 100.0)
 }
 
-fn place() -> impl Strategy<Value = Place> {
+fn any_place() -> impl Strategy<Value = Place> {
     let direction = (any_of(Sector::ALL), any_of(Elevation::ALL))
         .prop_map(|(sector, elevation)| Place::Direction(Direction { sector, elevation }));
     let ends = (prop::option::of(number()), prop::option::of(number()));
@@ -139,7 +139,7 @@ fn kind(pattern: BoxedStrategy<Pattern>) -> impl Strategy<Value = RelationKind> 
     let viewpoint =
         prop_oneof![Just(Viewpoint::Subject), Just(Viewpoint::Partner), Just(Viewpoint::Robot)];
     prop_oneof![
-        (place(), viewpoint)
+        (any_place(), viewpoint)
             .prop_map(|(place, viewpoint)| RelationKind::Placed { place, viewpoint }),
         any_of(PairWord::ALL).prop_map(RelationKind::Pair),
         "[a-z \"\\\\]{0,8}".prop_map(RelationKind::Interaction),
@@ -156,7 +156,7 @@ fn condition(pattern: BoxedStrategy<Pattern>, depth: u32) -> BoxedStrategy<Condi
         any_of(Action::ALL).prop_map(Condition::Action),
         any_of(Color::ALL).prop_map(Condition::UpperColor),
         any_of(Color::ALL).prop_map(Condition::LowerColor),
-        place().prop_map(Condition::FromRobot),
+        any_place().prop_map(Condition::FromRobot),
         quantity().prop_map(Condition::GroupSize),
     ];
     if depth == 0 {

@@ -12,18 +12,18 @@ pub(super) enum Kind {
     Number(f64),
     /// One of the marks of the grammar.
     Mark,
-    /// Something that is no notation: a character of no meaning, a quotation without end.
+    /// Not notation: an unknown character, or a quotation without an end.
     Stray,
 }
 
-/// A piece with the bytes it stands at.
+/// A piece with its bytes.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Token {
     pub(super) kind: Kind,
     pub(super) span: Span,
 }
 
-/// Marks, the longer before those that they begin with.
+/// Marks, each before its own prefixes.
 const MARKS: [&str; 14] =
     [">=", "<=", "..", "+-", "=", "[", "]", "{", "}", "(", ")", ",", ":", "&"];
 
@@ -70,7 +70,7 @@ fn quotation(rest: &str) -> (Kind, usize) {
     (Kind::Stray, rest.len())
 }
 
-/// A decimal number; a full stop belongs to it only with a digit behind, so that `0..3` is three pieces.
+/// A decimal number. A full stop belongs to it only before a digit, so that `0..3` is three pieces.
 fn number(rest: &str) -> Option<(f64, usize)> {
     let bytes = rest.as_bytes();
     let digits = |from: usize| bytes[from..].iter().take_while(|b| b.is_ascii_digit()).count();

@@ -1,4 +1,4 @@
-//! Query to notation.
+//! Writes the notation.
 
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ use jrdb_types::{Condition, Pattern, Query};
 
 use super::PROPERTIES;
 
-/// A query in the notation, on one line; its words and issues are left out.
+/// Writes a query in the notation, on one line, without its text and issues.
 ///
 /// ```
 /// use jrdb_types::{Condition, Gender, Query};
@@ -33,7 +33,7 @@ pub fn write(query: &Query) -> String {
     text
 }
 
-/// Appends formatted text; a `String` takes everything.
+/// Appends formatted text, which cannot fail for a `String`.
 macro_rules! put {
     ($text:expr, $($arguments:tt)*) => {{ let _ = write!($text, $($arguments)*); }};
 }
@@ -153,7 +153,7 @@ fn condition(text: &mut String, condition: &Condition) {
         Condition::Action(value) => put!(text, "{value}"),
         Condition::UpperColor(value) => put!(text, "upper={value}"),
         Condition::LowerColor(value) => put!(text, "lower={value}"),
-        Condition::FromRobot(where_) => place(text, where_),
+        Condition::FromRobot(where_) => sector_or_distance(text, where_),
         Condition::GroupSize(size) => {
             text.push_str("group ");
             number(text, *size);
@@ -184,7 +184,7 @@ fn joined(text: &mut String, parts: &[Condition], word: &str) {
     text.push(')');
 }
 
-fn place(text: &mut String, place: &Place) {
+fn sector_or_distance(text: &mut String, place: &Place) {
     match place {
         Place::Distance(word) => put!(text, "distance={word}"),
         Place::Direction(direction) => put!(text, "direction={direction}"),
@@ -219,7 +219,7 @@ fn relation(text: &mut String, kind: &RelationKind) {
                 Viewpoint::Partner => "at ",
                 Viewpoint::Robot => "seen ",
             });
-            place(text, where_);
+            sector_or_distance(text, where_);
         }
         RelationKind::Pair(word) => put!(text, "{word}"),
         RelationKind::With => text.push_str("with"),

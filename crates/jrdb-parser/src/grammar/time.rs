@@ -1,4 +1,4 @@
-//! What happens when: "walking and then sitting during 0.13 to 0.4 seconds".
+//! Slots of time: "walking and then sitting during 0.13 to 0.4 seconds".
 
 use jrdb_types::query::Slot;
 use jrdb_types::{Condition, Pattern};
@@ -9,42 +9,42 @@ use crate::parser::Parser;
 impl Parser<'_> {
     /// Reads "during 0 to 3 seconds" into the slot at hand.
     pub(crate) fn during(&mut self) -> bool {
-        let mark = self.mark();
-        let span = self.take(Role::During).then(|| self.seconds()).flatten();
+        let start = self.state.at;
+        let span = self.eat(Role::During).then(|| self.seconds()).flatten();
         match span {
             Some(span) => {
-                (self.during, self.is_timed) = (Some(span), true);
+                (self.state.during, self.state.is_timed) = (Some(span), true);
                 true
             }
             None => {
-                self.reset(mark);
+                self.state.at = start;
                 false
             }
         }
     }
 
     fn seconds(&mut self) -> Option<[f64; 2]> {
-        self.skip(Roles::of(&[Role::The, Role::Between, Role::Seconds]));
+        self.skip_while(Roles::of(&[Role::The, Role::Between, Role::Seconds]));
         let from = self.number()?;
-        self.take(Role::Seconds);
-        if !(self.take(Role::To) || self.take(Role::Dash) || self.take(Role::And)) {
+        self.eat(Role::Seconds);
+        if !(self.eat(Role::To) || self.eat(Role::Dash) || self.eat(Role::And)) {
             return None;
         }
         let to = self.number()?;
-        self.take(Role::Seconds);
+        self.eat(Role::Seconds);
         Some([from, to])
     }
 
     /// Whether "and then" or ", then" is at hand.
     pub(crate) fn is_then(&self) -> bool {
         let joints = Roles::of(&[Role::Comma, Role::And]);
-        self.is_at(self.after(self.at, joints), Role::Then)
+        self.is_at(self.next_not_in(self.state.at, joints), Role::Then)
     }
 
-    /// Steps over "and then" and closes the slot of the conditions from `head` on.
+    /// Consumes "and then", and closes the slot of the conditions from `head` on.
     pub(crate) fn then(&mut self, pattern: &mut Pattern, head: usize) {
-        self.skip(Roles::of(&[Role::Comma, Role::And, Role::Then]));
-        self.is_timed = true;
+        self.skip_while(Roles::of(&[Role::Comma, Role::And, Role::Then]));
+        self.state.is_timed = true;
         self.close_slot(pattern, head);
     }
 
@@ -52,6 +52,7 @@ impl Parser<'_> {
     pub(crate) fn close_slot(&mut self, pattern: &mut Pattern, head: usize) {
         let head = head.min(pattern.conditions.len());
         let conditions: Vec<Condition> = pattern.conditions.drain(head..).collect();
-        self.slots.push(Slot { during_s: self.during.take(), conditions });
+        let during_s = self.state.during.take();
+        self.push_slot(Slot { during_s, conditions });
     }
 }

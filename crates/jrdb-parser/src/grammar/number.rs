@@ -5,19 +5,19 @@ use jrdb_types::query::{Interval, Quantity};
 use crate::lexicon::{Limit, Role, Roles};
 use crate::parser::Parser;
 
-/// Numbers above this are no counts, seconds or metres of a scene.
+/// Larger numbers are not counts, seconds or metres of a scene.
 const NUMBER_MAX: f64 = 1e6;
 
 /// "half".
 const HALF: f64 = 0.5;
 
-/// Lengths are rounded to so many parts of a metre: six feet are 1.8288 m and no more digits.
+/// Lengths are rounded to a micrometre, so that six feet are 1.8288 m without further digits.
 const PARTS_OF_M: f64 = 1e6;
 
-/// "3 metres away" means within so many metres of it.
+/// "3 metres away" means within this distance of 3 metres.
 pub(crate) const ABOUT_M: f64 = 0.5;
 
-/// Joins the two ends of a stretch.
+/// Words between the two ends of a range.
 const TO: Roles = Roles::of(&[Role::To, Role::Dash, Role::And, Role::Or]);
 
 impl Parser<'_> {
@@ -26,80 +26,81 @@ impl Parser<'_> {
         if !self.is(Role::Number) {
             return None;
         }
-        let (at, entry) = (self.at, self.entry());
+        let (at, entry) = (self.state.at, self.entry());
         let Some(number) = entry.number else {
             let number: f64 = self.word(at).parse().ok().filter(|number| *number <= NUMBER_MAX)?;
-            self.at += 1;
+            self.bump();
             return Some(number + self.and_a_half());
         };
-        self.at += 1;
+        self.bump();
         let ones = self
             .entry()
             .number
             .filter(|ones| self.is(Role::Number) && number >= 20.0 && (1.0..10.0).contains(ones));
-        self.at += usize::from(ones.is_some());
+        self.state.at += usize::from(ones.is_some());
         Some(number + ones.unwrap_or(0.0) + self.and_a_half())
     }
 
     /// "and a half" behind a number.
     fn and_a_half(&mut self) -> f64 {
-        let half = self.after(self.at + 1, Roles::of(&[Role::A]));
+        let half = self.next_not_in(self.state.at + 1, Roles::of(&[Role::A]));
         let found = self.is(Role::And) && self.entry_at(half).number == Some(HALF);
-        self.at = if found { half + 1 } else { self.at };
+        self.state.at = if found { half + 1 } else { self.state.at };
         if found { HALF } else { 0.0 }
     }
 
     /// A whole number.
     pub(crate) fn whole(&mut self) -> Option<u32> {
-        let mark = self.mark();
+        let start = self.state.at;
         let number = self.number().filter(|number| number.fract() == 0.0);
         if number.is_none() {
-            self.reset(mark);
+            self.state.at = start;
         }
         number.map(|number| number as u32)
     }
 
-    /// "exactly three", "at least 2", "3 or more", "two to four", "no"; a bare number is none.
+    /// "exactly three", "at least 2", "3 or more", "two to four", "no". A bare number is not a
+    /// quantity.
     pub(crate) fn quantity(&mut self) -> Option<Quantity> {
         const FIRST: Roles =
             Roles::of(&[Role::Limit, Role::Several, Role::No, Role::Between, Role::Number]);
         if !self.roles().has_any(FIRST) {
             return None;
         }
-        let mark = self.mark();
+        let start = self.state.at;
         let quantity = self.limited().filter(|_| !self.is(Role::Unit) && !self.is(Role::Clock));
         if quantity.is_none() {
-            self.reset(mark);
+            self.state.at = start;
         }
         quantity
     }
 
     fn limited(&mut self) -> Option<Quantity> {
         if self.is(Role::No) && !self.is(Role::Noun) {
-            self.at += 1;
+            self.bump();
             return Some(Quantity::NONE);
         }
-        if self.take(Role::Several) {
+        if self.eat(Role::Several) {
             return Some(Quantity::at_least(2));
         }
-        if self.take(Role::Between) || self.is(Role::Number) {
+        if self.eat(Role::Between) || self.is(Role::Number) {
             let least = self.whole()?;
-            if self.is(Role::Or) && self.is_at(self.at + 1, Role::More) {
-                self.at += 2;
+            if self.is(Role::Or) && self.is_at(self.state.at + 1, Role::More) {
+                self.state.at += 2;
                 return Some(Quantity::at_least(least));
             }
-            if self.is(Role::Or) && self.is_at(self.at + 1, Role::Fewer) {
-                self.at += 2;
+            if self.is(Role::Or) && self.is_at(self.state.at + 1, Role::Fewer) {
+                self.state.at += 2;
                 return Some(Quantity { at_least: 0, at_most: Some(least) });
             }
             if !self.roles().has_any(TO) {
                 return None;
             }
-            self.at += 1;
+            self.bump();
             return Some(Quantity { at_least: least, at_most: Some(self.whole()?) });
         }
         let limit = self.entry().limit?;
-        self.at += 1;
+        self.bump();
         let number = self.whole()?;
         Some(match limit {
             Limit::AtMost => Quantity { at_least: 0, at_most: Some(number) },
@@ -117,39 +118,39 @@ impl Parser<'_> {
         if !self.roles().has_any(FIRST) {
             return None;
         }
-        let mark = self.mark();
+        let start = self.state.at;
         let length = self.measured();
         if length.is_none() {
-            self.reset(mark);
+            self.state.at = start;
         }
         length
     }
 
     fn measured(&mut self) -> Option<Interval> {
         let limit = self.entry().limit;
-        self.at += usize::from(limit.is_some());
-        let is_between = limit.is_none() && self.take(Role::Between);
+        self.state.at += usize::from(limit.is_some());
+        let is_between = limit.is_none() && self.eat(Role::Between);
         let limit = if limit == Some(Limit::About) && self.entry().limit.is_some() {
             let inner = self.entry().limit;
-            self.at += 1;
+            self.bump();
             inner
         } else {
             limit
         };
-        let is_article = self.is(Role::A) && self.is_at(self.at + 1, Role::Number);
-        self.at += usize::from(is_article && limit.is_some());
-        let one = self.roles().has(Role::A) && self.is_at(self.at + 1, Role::Unit);
+        let is_article = self.is(Role::A) && self.is_at(self.state.at + 1, Role::Number);
+        self.state.at += usize::from(is_article && limit.is_some());
+        let one = self.roles().has(Role::A) && self.is_at(self.state.at + 1, Role::Unit);
         let number = if one {
-            self.at += 1;
+            self.bump();
             1.0
         } else {
             self.number()?
         };
         let unit = self.unit();
-        let is_stretch = self.roles().has_any(TO) && self.is_at(self.at + 1, Role::Number);
+        let is_stretch = self.roles().has_any(TO) && self.is_at(self.state.at + 1, Role::Number);
         let is_within = limit == Some(Limit::AtMost) && !self.is(Role::Or);
         let second = if is_stretch && (is_between || is_within || limit.is_none()) {
-            self.at += 1;
+            self.bump();
             self.number()
         } else {
             None
@@ -159,7 +160,7 @@ impl Parser<'_> {
         }
         let unit = self.unit().or(unit)?;
         let metres = |number: f64| rounded_m(number * unit);
-        let limit = if self.take(Role::Radius) { Some(Limit::AtMost) } else { limit };
+        let limit = if self.eat(Role::Radius) { Some(Limit::AtMost) } else { limit };
         if let Some(second) = second {
             let ends = [metres(number), metres(second)];
             return Some(Interval {
@@ -172,12 +173,12 @@ impl Parser<'_> {
 
     fn unit(&mut self) -> Option<f64> {
         let unit = self.entry().unit;
-        self.at += usize::from(unit.is_some());
+        self.state.at += usize::from(unit.is_some());
         unit
     }
 }
 
-/// A length without the noise of its last digits.
+/// A length without rounding noise in its last digits.
 pub(crate) fn rounded_m(metres: f64) -> f64 {
     (metres * PARTS_OF_M).round() / PARTS_OF_M
 }

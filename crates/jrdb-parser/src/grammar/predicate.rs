@@ -1,31 +1,20 @@
-//! One thing said of a subject: "not sitting near the table", "except those standing", "is a woman".
+//! Predicates: "not sitting near the table", "except those standing", "is a woman".
 
 use jrdb_types::query::{Category, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
-use crate::clothes::CLOTHES_START;
-use crate::joined::{all_of, any_of, split_from};
+use crate::grammar::clothes::CLOTHES_START;
+use crate::grammar::noun::NOUN_START;
+use crate::grammar::place::LOCATION_START;
 use crate::lexicon::{Role, Roles};
-use crate::noun::NOUN_START;
 use crate::parser::Parser;
-use crate::place::push_related;
-use crate::spot::SPOT_START;
-
-/// What a predicate stands behind.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Behind {
-    /// "who" or "is": it may be a noun.
-    Verb,
-    /// The noun of the thing asked for.
-    Noun,
-    /// The noun of a partner, whose relation may go on behind it.
-    Partner,
-}
+use crate::pattern::{all_of, alternative, any_of, chosen, push_related, split_from};
+use crate::phrase::After;
 
 impl Parser<'_> {
-    /// Predicates that stand together without a joint: "sitting near the table".
-    pub(crate) fn together(&mut self, pattern: &mut Pattern) -> bool {
-        if !self.predicate(pattern, Behind::Verb) {
+    /// Predicates without a joint between them: "sitting near the table".
+    pub(crate) fn predicates(&mut self, pattern: &mut Pattern) -> bool {
+        if !self.predicate(pattern, After::Verb) {
             return false;
         }
         const JOINTS: Roles = Roles::of(&[
@@ -42,18 +31,29 @@ impl Parser<'_> {
             Role::Has,
             Role::Than,
             Role::Without,
-            Role::Lacks,
+            Role::Unsupported,
             Role::Except,
         ]);
         while !self.is_end()
             && !self.roles().has_any(JOINTS)
-            && self.predicate(pattern, Behind::Noun)
+            && self.predicate(pattern, After::Noun)
         {}
         true
     }
 
-    /// One thing said of the subject.
-    pub(crate) fn predicate(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
+    /// [`Self::predicates`] as conditions only: in "not the tallest" and "sitting or the tallest"
+    /// the choice is one condition among others, and chooses nothing by itself.
+    pub(crate) fn conditions(&mut self, pattern: &mut Pattern) -> bool {
+        let outer = pattern.pick.take();
+        let found = self.predicates(pattern);
+        if let Some(pick) = std::mem::replace(&mut pattern.pick, outer) {
+            pattern.conditions.push(chosen(pick, &pattern.category));
+        }
+        found
+    }
+
+    /// One predicate of the subject.
+    pub(crate) fn predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
         let roles = self.roles();
         if roles.has(Role::Not) {
             return self.negated(pattern);
@@ -61,16 +61,17 @@ impl Parser<'_> {
         if roles.has_any(CLOTHES_START) && self.clothes(pattern) {
             return true;
         }
-        if roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
-            return self.deed(pattern);
+        if roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
+            return self.activity(pattern);
         }
-        if roles.has(Role::Noun) && behind == Behind::Verb && self.nominal(pattern) {
+        if roles.has(Role::Noun) && after == After::Verb && self.predicate_nominal(pattern) {
             return true;
         }
-        if roles.has(Role::Says) {
+        if roles.has(Role::Implies) {
             return self.adjective_predicate(pattern);
         }
-        if roles.has_any(SPOT_START) && !roles.has(Role::Noun) && self.placed(pattern, behind) {
+        if roles.has_any(LOCATION_START) && !roles.has(Role::Noun) && self.location(pattern, after)
+        {
             return true;
         }
         if roles.has(Role::Relation) && self.relation(pattern) {
@@ -81,18 +82,18 @@ impl Parser<'_> {
         {
             return true;
         }
-        self.rare_predicate(pattern, behind)
+        self.rare_predicate(pattern, after)
     }
 
-    fn rare_predicate(&mut self, pattern: &mut Pattern, behind: Behind) -> bool {
-        let (roles, start) = (self.roles(), self.at);
+    fn rare_predicate(&mut self, pattern: &mut Pattern, after: After) -> bool {
+        let (roles, start) = (self.roles(), self.state.at);
         if roles.has(Role::Neither) {
             return self.neither(pattern);
         }
         if roles.has(Role::Either) {
-            self.skip(Roles::of(&[Role::Either]));
-            return self.predicate(pattern, behind) || {
-                self.at = start;
+            self.skip_while(Roles::of(&[Role::Either]));
+            return self.predicate(pattern, after) || {
+                self.state.at = start;
                 false
             };
         }
@@ -100,14 +101,14 @@ impl Parser<'_> {
             return self.except(pattern);
         }
         if roles.has(Role::Doing) {
-            self.at += 1;
-            self.asks_doing = true;
+            self.bump();
+            self.state.asks_doing = true;
             return true;
         }
         let is_the = roles.has(Role::The) && self.is_at(start + 1, Role::Superlative);
         if roles.has(Role::Superlative) || is_the {
-            self.at += usize::from(is_the);
-            return self.chosen_predicate(pattern, 1, start);
+            self.state.at += usize::from(is_the);
+            return self.superlative_predicate(pattern, 1, start);
         }
         if roles.has(Role::Comparative) {
             return self.comparative(pattern);
@@ -119,42 +120,44 @@ impl Parser<'_> {
             return self.group(pattern);
         }
         if let Some((rank, length)) = self.ordinal() {
-            self.at += length;
-            return self.chosen_predicate(pattern, rank, start);
+            self.state.at += length;
+            return self.superlative_predicate(pattern, rank, start);
         }
-        self.at_thing(pattern) || self.lacking() || behind == Behind::Verb && self.nominal(pattern)
+        self.at_thing(pattern)
+            || self.unsupported_predicate()
+            || after == After::Verb && self.predicate_nominal(pattern)
     }
 
-    fn chosen_predicate(&mut self, pattern: &mut Pattern, rank: u32, start: usize) -> bool {
+    fn superlative_predicate(&mut self, pattern: &mut Pattern, rank: u32, start: usize) -> bool {
         match self.superlative(rank, 1).or_else(|| self.side_pick(rank, 1)) {
             Some(pick) => self.put_pick(pattern, pick, start),
             None => {
-                self.at = start;
+                self.state.at = start;
                 false
             }
         }
     }
 
     /// "is a child", "is a woman located to his right", "is the tallest person".
-    fn nominal(&mut self, pattern: &mut Pattern) -> bool {
+    fn predicate_nominal(&mut self, pattern: &mut Pattern) -> bool {
         if !self.roles().has_any(NOUN_START) || self.is(Role::Unknown) {
             return false;
         }
-        if self.other_at_his(pattern) {
+        if self.noun_located_by_his(pattern) {
             return true;
         }
-        let (mark, start) = (self.mark(), self.at);
-        let Some(thing) = self.thing() else { return false };
-        let (is, was) = (&thing.pattern.category, &pattern.category);
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
+        let Some(group) = self.noun_group() else { return false };
+        let (is, was) = (&group.pattern.category, &pattern.category);
         if is != was && *was != Category::Anything {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         if *was == Category::Anything {
             pattern.category = is.clone();
         }
-        pattern.conditions.extend(thing.pattern.conditions);
-        match thing.pattern.pick {
+        pattern.conditions.extend(group.pattern.conditions);
+        match group.pattern.pick {
             Some(pick) => self.put_pick(pattern, pick, start),
             None => true,
         }
@@ -162,22 +165,24 @@ impl Parser<'_> {
 
     /// "not sitting", "isn't near the door or the wall".
     fn negated(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, start) = (self.mark(), pattern.conditions.len());
-        self.at += 1;
-        self.skip(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
-        if !self.deeper(|parser| parser.together(pattern)) {
-            self.reset(mark);
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
+        self.bump();
+        self.skip_while(Roles::of(&[Role::Is, Role::Filler, Role::Either]));
+        if !self.nested(|parser| parser.conditions(pattern)) {
+            self.rewind(checkpoint);
             return false;
         }
         if pattern.conditions.len() == start {
             return true;
         }
         let mut parts = vec![all_of(split_from(&mut pattern.conditions, start))];
-        while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither])) && !self.is_thing_next() {
-            let mark = self.mark();
-            self.at += 1;
-            if !self.deeper(|parser| parser.together(pattern)) {
-                self.reset(mark);
+        while self.roles().has_any(Roles::of(&[Role::Or, Role::Neither]))
+            && !self.is_noun_group_next()
+        {
+            let checkpoint = self.checkpoint();
+            self.bump();
+            if !self.nested(|parser| parser.conditions(pattern)) {
+                self.rewind(checkpoint);
                 break;
             }
             parts.push(all_of(split_from(&mut pattern.conditions, start)));
@@ -189,10 +194,10 @@ impl Parser<'_> {
 
     /// "neither sitting nor standing".
     fn neither(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, start) = (self.mark(), pattern.conditions.len());
-        while self.take(Role::Neither) || pattern.conditions.len() > start && self.take(Role::Or) {
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
+        while self.eat(Role::Neither) || pattern.conditions.len() > start && self.eat(Role::Or) {
             let length = pattern.conditions.len();
-            if !self.deeper(|parser| parser.together(pattern)) {
+            if !self.nested(|parser| parser.conditions(pattern)) {
                 break;
             }
             if pattern.conditions.len() == length {
@@ -203,30 +208,31 @@ impl Parser<'_> {
         }
         let found = pattern.conditions.len() > start;
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }
 
     /// "except those standing".
     pub(crate) fn except(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        self.at += 1;
+        let checkpoint = self.checkpoint();
+        self.bump();
+        self.resume_noun(self.state.head_noun);
         let category = pattern.category.clone();
-        let partners = self.partners_of(pattern);
+        let partners = self.closed_list(pattern);
         if partners.is_empty() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         for partner in partners {
-            let condition = crate::coordination::alternative(partner.pattern, &category);
+            let condition = alternative(partner.pattern, &category);
             pattern.conditions.push(Condition::Not(Box::new(condition)));
         }
         true
     }
 
-    /// "in the red shirt": what no scene graph holds, with an issue.
-    fn lacking(&mut self) -> bool {
+    /// "in the red shirt": skips and reports what no scene graph holds.
+    fn unsupported_predicate(&mut self) -> bool {
         const LEAD: Roles = Roles::of(&[
             Role::At,
             Role::The,
@@ -238,29 +244,29 @@ impl Parser<'_> {
             Role::To,
             Role::Located,
         ]);
-        let next = self.after(self.at, LEAD);
-        if !self.is_at(next, Role::Lacks) {
+        let next = self.next_not_in(self.state.at, LEAD);
+        if !self.is_at(next, Role::Unsupported) {
             return false;
         }
-        self.at = next;
-        while self.lacks() {
-            let and = self.is(Role::And) && self.is_at(self.at + 1, Role::Lacks);
-            self.at += usize::from(and);
+        self.state.at = next;
+        while self.eat_unsupported() {
+            let and = self.is(Role::And) && self.is_at(self.state.at + 1, Role::Unsupported);
+            self.state.at += usize::from(and);
         }
-        if self.take(Role::Relative) {
-            self.take(Role::To);
+        if self.eat(Role::Relative) {
+            self.eat(Role::To);
             self.robot();
         }
         true
     }
 
-    /// "at the table", "on a chair": has to do with it.
+    /// "at the table", "on a chair": the relation "with".
     fn at_thing(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        let is_named = self.take(Role::At) && self.is_object_next();
+        let checkpoint = self.checkpoint();
+        let is_named = self.eat(Role::At) && self.is_object_next();
         let partners = if is_named { self.partners_of(pattern) } else { Vec::new() };
         if partners.is_empty() {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         for partner in partners {
@@ -270,20 +276,20 @@ impl Parser<'_> {
     }
 
     fn is_object_next(&self) -> bool {
-        let next = self.after(
-            self.at,
+        let next = self.next_not_in(
+            self.state.at,
             Roles::of(&[
                 Role::The,
                 Role::A,
                 Role::His,
                 Role::My,
-                Role::Says,
+                Role::Implies,
                 Role::Sector,
                 Role::Far,
                 Role::All,
                 Role::Superlative,
                 Role::Number,
-                Role::Lacks,
+                Role::Unsupported,
             ]),
         );
         self.entry_at(next).category.as_ref().is_some_and(|c| *c != Category::Person)
@@ -291,16 +297,16 @@ impl Parser<'_> {
 
     /// "whose age is young".
     pub(crate) fn whose(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        self.at += 1;
-        let is_property = self.take(Role::Asks) && self.take(Role::Is);
+        let checkpoint = self.checkpoint();
+        self.bump();
+        let is_property = self.eat(Role::Asks) && self.eat(Role::Is);
         let found = if is_property {
-            self.predicate(pattern, Behind::Noun)
+            self.predicate(pattern, After::Noun)
         } else {
             self.whose_clothes(pattern)
         };
         if !found {
-            self.reset(mark);
+            self.rewind(checkpoint);
         }
         found
     }

@@ -1,54 +1,65 @@
-//! What is done: "walking with a woman", "holding a bag", "facing me", "next to the door".
+//! Actions, interactions and relations: "walking with a woman", "holding a bag", "facing me", "next
+//! to the door".
 
+use jrdb_types::Pattern;
 use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::vocab::PairWord;
-use jrdb_types::{Condition, Pattern};
 
-use crate::coordination::{Partner, remembered};
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
-use crate::place::push_related;
+use crate::pattern::{push_related, truncated_antecedent};
+use crate::phrase::Partner;
 
 impl Parser<'_> {
-    /// Partners of a subject; "him" among them is what was spoken of before.
+    /// Partners of a subject, which is the antecedent of pronouns among them.
     pub(crate) fn partners_of(&mut self, subject: &Pattern) -> Vec<Partner> {
         if !self.has_pronouns || self.is(Role::Him) {
             return self.partners();
         }
-        let outer = self.spoken.replace(remembered(subject));
+        let outer = self.set_antecedent(subject);
         let partners = self.partners();
-        let last = partners.last().map(|partner| remembered(&partner.pattern));
-        self.spoken = last.or(outer);
+        match partners.last() {
+            Some(last) => drop(self.set_antecedent(&last.pattern)),
+            None => self.state.antecedent = outer,
+        }
         partners
     }
 
-    /// What the subject does, alone or with others.
-    pub(crate) fn deed(&mut self, pattern: &mut Pattern) -> bool {
-        let (entry, at) = (self.entry(), self.at);
-        if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Deed])) {
+    /// Partners of "between" or "except": "and the one" among them is one more of them.
+    pub(crate) fn closed_list(&mut self, subject: &Pattern) -> Vec<Partner> {
+        let outer = std::mem::replace(&mut self.state.is_closed_list, true);
+        let partners = self.partners_of(subject);
+        self.state.is_closed_list = outer;
+        partners
+    }
+
+    /// What the subject does, alone or with partners.
+    pub(crate) fn activity(&mut self, pattern: &mut Pattern) -> bool {
+        let (entry, at) = (self.entry(), self.state.at);
+        if !entry.roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
             return false;
         }
-        self.at += 1;
+        self.bump();
         if let Some(label) = &entry.people
-            && self.with_people(pattern, entry, label)
+            && self.with_partners(pattern, entry, label)
         {
             return true;
         }
         if let Some(label) = &entry.object {
             self.with_object(pattern, entry, label);
-        } else if !entry.says.is_empty() {
-            pattern.conditions.extend(entry.says.iter().cloned());
+        } else if !entry.implies.is_empty() {
+            pattern.conditions.extend(entry.implies.iter().cloned());
             if entry.relation.is_some() {
-                self.relate(pattern, entry);
+                self.relation_partners(pattern, entry);
             }
         } else if let Some(label) = &entry.people {
-            self.bare_deed(pattern, label, at);
+            self.bare_interaction(pattern, label, at);
         }
         true
     }
 
-    /// "chatting" alone is with anybody.
-    fn bare_deed(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
+    /// "chatting" without a partner: with any person.
+    fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
         if label.ends_with(" together") {
             let message = format!("read as {label:?} with somebody");
             self.report(jrdb_types::IssueKind::Ambiguous, at, at + 1, message);
@@ -57,22 +68,22 @@ impl Parser<'_> {
     }
 
     /// "walking with a woman", "talking to a man", "hugging each other".
-    fn with_people(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
-        let mark = self.mark();
-        let is_plain = entry.roles.has(Role::Deed) && entry.says.is_empty();
-        let has_with = self.take(Role::With) || is_plain && self.take(Role::To);
-        if self.take(Role::EachOther) {
+    fn with_partners(&mut self, pattern: &mut Pattern, entry: &Entry, label: &str) -> bool {
+        let start = self.state.at;
+        let is_plain = entry.roles.has(Role::Interaction) && entry.implies.is_empty();
+        let has_with = self.eat(Role::With) || is_plain && self.eat(Role::To);
+        if self.eat(Role::EachOther) {
             push_related(pattern, vec![does(label)], Pattern::default(), Quantity::SOME);
             return true;
         }
         let is_direct = is_plain && !label.ends_with(" together");
         if !(has_with || is_direct) || !self.is_person_at_hand() {
-            self.reset(mark);
+            self.state.at = start;
             return false;
         }
-        let outer = std::mem::replace(&mut self.is_walk, !entry.says.is_empty());
+        let outer = std::mem::replace(&mut self.state.is_walk, !entry.implies.is_empty());
         let partners = self.partners_of(pattern);
-        self.is_walk = outer;
+        self.state.is_walk = outer;
         for partner in partners {
             push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
         }
@@ -86,7 +97,7 @@ impl Parser<'_> {
             Role::A,
             Role::All,
             Role::No,
-            Role::Says,
+            Role::Implies,
             Role::Comma,
             Role::And,
             Role::Number,
@@ -94,16 +105,16 @@ impl Parser<'_> {
             Role::Superlative,
             Role::Filler,
             Role::Unknown,
-            Role::Lacks,
+            Role::Unsupported,
             Role::Ordinal,
             Role::My,
             Role::Limit,
         ]);
-        let mut at = self.at;
+        let mut at = self.state.at;
         let is_his = |at: usize| self.is_at(at, Role::His) && self.is_noun_ahead(at + 1);
         while self.roles_at(at).has_any(FIRST) && !self.is_at(at, Role::Noun) || is_his(at) {
             at += 1;
-            if at > self.at + 12 {
+            if at > self.state.at + 12 {
                 return false;
             }
         }
@@ -111,7 +122,7 @@ impl Parser<'_> {
         if self.is_at(at, Role::Robot) || self.is_at(at, Role::Him) && !is_noun(at + 1) {
             return true;
         }
-        let is_described = (self.at..at).any(|at| self.is_at(at, Role::Says));
+        let is_described = (self.state.at..at).any(|at| self.is_at(at, Role::Implies));
         if is_described && !self.is_at(at, Role::Noun) {
             return true;
         }
@@ -120,7 +131,7 @@ impl Parser<'_> {
         !is_first_list && (category == Some(&Category::Person) || self.is_at(at, Role::One))
     }
 
-    /// "holding a bag"; "looking at" a person or the robot is facing them.
+    /// "holding a bag". "Looking at" a person or the robot is the relation "facing".
     fn with_object(&mut self, pattern: &mut Pattern, entry: &'static Entry, label: &str) {
         let is_person = self.is_person_at_hand();
         if let (Some(kind), true) = (&entry.relation, is_person) {
@@ -142,11 +153,11 @@ impl Parser<'_> {
 
     fn is_object_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My, Role::No]);
-        let next = self.after(self.at, articles);
-        let has_article = next > self.at;
+        let next = self.next_not_in(self.state.at, articles);
+        let has_article = next > self.state.at;
         let it = self.is(Role::Him);
         it || has_article
-            || self.is_noun_ahead(self.at) && !self.is(Role::Unknown)
+            || self.is_noun_ahead(self.state.at) && !self.is(Role::Unknown)
             || self.is(Role::Limit)
     }
 
@@ -156,38 +167,38 @@ impl Parser<'_> {
         if entry.relation.is_none() || !entry.roles.has(Role::Relation) {
             return false;
         }
-        let start = self.at;
-        self.at += 1;
-        let found = self.relate(pattern, entry);
+        let start = self.state.at;
+        self.bump();
+        let found = self.relation_partners(pattern, entry);
         if !found {
-            self.at = start;
+            self.state.at = start;
         }
         found
     }
 
     /// Reads the partners of a relation behind its words.
-    fn relate(&mut self, pattern: &mut Pattern, entry: &'static Entry) -> bool {
+    fn relation_partners(&mut self, pattern: &mut Pattern, entry: &'static Entry) -> bool {
         let Some(kind) = &entry.relation else { return false };
         let is_mutual = *kind == RelationKind::Pair(PairWord::FacingEachOther);
         let is_away = matches!(kind, RelationKind::Placed { .. });
-        let mark = self.mark();
-        if self.take(Role::EachOther) {
+        let start = self.state.at;
+        if self.eat(Role::EachOther) {
             let mutual = each_other(kind, entry);
             push_related(pattern, vec![mutual], Pattern::default(), Quantity::SOME);
             return true;
         }
-        self.skip(Roles::of(&[Role::To, Role::With, Role::Filler]));
-        if !entry.says.is_empty() && self.is_side_at_hand() {
-            // "walking to the right of the table" is a place, not where somebody goes.
-            self.reset(mark);
+        self.skip_while(Roles::of(&[Role::To, Role::With, Role::Filler]));
+        if !entry.implies.is_empty() && self.is_side_at_hand() {
+            // "walking to the right of the table" is a place and not a destination.
+            self.state.at = start;
             return false;
         }
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
-            self.reset(mark);
+            self.state.at = start;
             let alone = if is_mutual {
                 Pattern::default()
-            } else if is_away || !entry.says.is_empty() {
+            } else if is_away || !entry.implies.is_empty() {
                 Pattern::of(Category::Robot)
             } else {
                 return false;
@@ -204,34 +215,34 @@ impl Parser<'_> {
     /// "the right", "his left".
     fn is_side_at_hand(&self) -> bool {
         let articles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
-        self.is_at(self.after(self.at, articles), Role::Sector)
+        self.is_at(self.next_not_in(self.state.at, articles), Role::Sector)
     }
 
     /// "between the man and the door", "between two adults".
     pub(crate) fn between(&mut self, pattern: &mut Pattern) -> bool {
-        let mark = self.mark();
-        if !self.take(Role::Between) {
+        let checkpoint = self.checkpoint();
+        if !self.eat(Role::Between) {
             return false;
         }
-        let mut ends = self.partners_of(pattern);
+        let mut ends = self.closed_list(pattern);
         let (first, second) = match ends.len() {
             2 => (ends.remove(0).pattern, ends.remove(0).pattern),
             1 if self.is(Role::And) => {
                 let first = ends.remove(0).pattern;
-                self.at += 1;
-                let mut rest = self.partners_of(pattern);
+                self.bump();
+                let mut rest = self.closed_list(pattern);
                 if rest.is_empty() {
-                    self.reset(mark);
+                    self.rewind(checkpoint);
                     return false;
                 }
                 (first, rest.remove(0).pattern)
             }
             1 => {
                 let only = ends.remove(0).pattern;
-                (remembered(&only), only)
+                (truncated_antecedent(&only), only)
             }
             _ => {
-                self.reset(mark);
+                self.rewind(checkpoint);
                 return false;
             }
         };
@@ -239,14 +250,14 @@ impl Parser<'_> {
         true
     }
 
-    /// Says that a thing is as an adjective tells.
+    /// Adds what an adjective implies.
     pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
         let entry = self.entry();
-        if !entry.roles.has(Role::Says) {
+        if !entry.roles.has(Role::Implies) {
             return false;
         }
-        self.at += 1;
-        pattern.conditions.extend(entry.says.iter().cloned());
+        self.bump();
+        pattern.conditions.extend(entry.implies.iter().cloned());
         true
     }
 }
@@ -263,14 +274,5 @@ fn each_other(kind: &RelationKind, entry: &Entry) -> RelationKind {
             RelationKind::Pair(PairWord::FacingEachOther)
         }
         (None, other) => other.clone(),
-    }
-}
-
-/// Whether a condition is a deed with nobody and nothing named.
-pub(crate) fn bare_label(condition: &Condition) -> Option<&str> {
-    let Condition::Related(related) = condition else { return None };
-    match &related.kinds[..] {
-        [RelationKind::Interaction(label)] if related.partner.conditions.is_empty() => Some(label),
-        _ => None,
     }
 }

@@ -1,55 +1,64 @@
-//! Colours of clothes: "in red", "wearing a blue jacket and black trousers", "without a white shirt".
+//! Colours of clothes: "in red", "wearing a blue jacket and black trousers", "without a white
+//! shirt".
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
 use jrdb_types::{Condition, Pattern};
 
-use crate::joined::{all_of, any_of, join, split_from};
+use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Garment, Role, Roles};
-use crate::noun::BEFORE_NOUN;
 use crate::parser::Parser;
+use crate::pattern::{all_of, any_of, join_alternative, split_from};
 
 /// What may stand before clothes.
 pub(crate) const CLOTHES_START: Roles =
-    Roles::of(&[Role::At, Role::Deed, Role::With, Role::Has, Role::Without]);
+    Roles::of(&[Role::At, Role::Interaction, Role::With, Role::Has, Role::Without]);
 
-/// Words before a colour that say nothing of it.
+/// Words without meaning before a colour.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
 
 /// What may stand between colours, and between clothes.
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]);
 
-/// So many words at most may stand between an article, a colour and a piece of clothing.
-const STRAYS_MAX: usize = 2;
+/// Unknown words that may stand between an article, a colour and a piece of clothing.
+const UNKNOWN_MAX: usize = 2;
+
+/// Whether a piece of clothing must be named behind its colour.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Naming {
+    Required,
+    Optional,
+}
 
 impl Parser<'_> {
-    /// Reads what is said of the colours of the subject's clothes. A colour of any other thing is left for others to read.
+    /// Colours of the subject's clothes. Colours of anything else are left to other productions.
     pub(crate) fn clothes(&mut self, pattern: &mut Pattern) -> bool {
         let is_worn = self.entry().object.as_deref() == Some("wearing");
-        let is_in = self.is(Role::At) && self.word(self.at).eq_ignore_ascii_case("in");
+        let is_in = self.is(Role::At) && self.word(self.state.at).eq_ignore_ascii_case("in");
         let is_had = self.roles().has_any(Roles::of(&[Role::With, Role::Has, Role::Without]));
         if !is_worn && !is_in && !is_had {
             return false;
         }
-        let (mark, start) = (self.mark(), pattern.conditions.len());
+        let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         let is_without = self.is(Role::Without);
-        self.at += 1;
-        // "With red" is no clothes, "in red" and "wearing red" are.
-        if !self.garment(pattern, !is_had) {
-            self.reset(mark);
+        self.bump();
+        // "In red" and "wearing red" are about clothes, "with red" is not.
+        let naming = if is_had { Naming::Required } else { Naming::Optional };
+        if !self.garment(pattern, naming) {
+            self.rewind(checkpoint);
             return false;
         }
         while self.roles().has_any(JOINTS) {
-            let (mark, length) = (self.mark(), pattern.conditions.len());
+            let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
             let is_or = self.is(Role::Or);
-            self.skip(JOINTS);
-            if !self.garment(pattern, false) {
-                self.reset(mark);
+            self.skip_while(JOINTS);
+            if !self.garment(pattern, Naming::Required) {
+                self.rewind(checkpoint);
                 break;
             }
             if is_or && length > start {
-                join(&mut pattern.conditions, length, true);
+                join_alternative(&mut pattern.conditions, length);
             }
         }
         if is_without && pattern.conditions.len() > start {
@@ -61,13 +70,13 @@ impl Parser<'_> {
 
     /// "shirt is red" behind "whose".
     pub(crate) fn whose_clothes(&mut self, pattern: &mut Pattern) -> bool {
-        let (mark, at) = (self.mark(), self.at);
+        let (checkpoint, at) = (self.checkpoint(), self.state.at);
         let garment = self.entry().garment.filter(|_| self.is_at(at + 1, Role::Is));
-        self.at += 2;
-        let is_not = self.is_at(at + 1, Role::Not) || self.take(Role::Not);
+        self.state.at += 2;
+        let is_not = self.is_at(at + 1, Role::Not) || self.eat(Role::Not);
         let (colors, _) = self.colors();
         let Some(garment) = garment.filter(|_| !colors.is_empty()) else {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         };
         self.report_garment(garment, at, at);
@@ -79,39 +88,40 @@ impl Parser<'_> {
         true
     }
 
-    /// "black" of "the black car", which is no race: steps over it with an issue.
-    pub(crate) fn color_of_thing(&mut self) -> bool {
-        if !self.is(Role::Color) || !self.is(Role::Says) {
+    /// Skips and reports "black" of "the black car", which is not a race.
+    pub(crate) fn color_of_object(&mut self) -> bool {
+        if !self.is(Role::Color) || !self.is(Role::Implies) {
             return false;
         }
-        let next = self.after(self.at + 1, BEFORE_NOUN);
+        let next = self.next_not_in(self.state.at + 1, BEFORE_NOUN);
         let is_person =
             |category: &Category| matches!(category, Category::Person | Category::Anything);
         if self.entry_at(next).category.as_ref().is_none_or(is_person) {
             return false;
         }
         let message = "colours of things are not known here, not used".into();
-        self.report(IssueKind::NotInGraph, self.at, self.at + 1, message);
-        self.at += 1;
+        self.report(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
+        self.bump();
         true
     }
 
-    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where it `may_be_bare`.
-    fn garment(&mut self, pattern: &mut Pattern, may_be_bare: bool) -> bool {
-        let (mark, start) = (self.mark(), self.at);
-        self.skip(ARTICLES);
-        let is_bare = self.at == start && may_be_bare;
-        let is_colored = self.strays_before(Role::Color);
+    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where naming is
+    /// optional.
+    fn garment(&mut self, pattern: &mut Pattern, naming: Naming) -> bool {
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
+        self.skip_while(ARTICLES);
+        let is_bare = self.state.at == start && naming == Naming::Optional;
+        let is_colored = self.skip_unknown_before(Role::Color);
         let (colors, is_and) = self.colors();
-        let is_named = is_colored && self.strays_before(Role::Garment);
+        let is_named = is_colored && self.skip_unknown_before(Role::Garment);
         let garment = self.entry().garment.filter(|_| is_named);
         if !is_colored || garment.is_none() && (!is_bare || self.is_something_else()) {
-            self.reset(mark);
+            self.rewind(checkpoint);
             return false;
         }
         if let Some(garment) = garment {
-            self.report_garment(garment, start, self.at);
-            self.at += 1;
+            self.report_garment(garment, start, self.state.at);
+            self.bump();
         }
         let worn = colors.into_iter().map(|color| worn(garment.unwrap_or(Garment::Any), color));
         if is_and && garment.is_none() {
@@ -123,41 +133,43 @@ impl Parser<'_> {
         true
     }
 
-    /// Steps over a few words that nobody knows before one of a role, and reports them; whether there is one.
-    fn strays_before(&mut self, role: Role) -> bool {
-        let found = (self.at..=self.at + STRAYS_MAX).find(|at| self.is_at(*at, role));
+    /// Consumes and reports a few unknown words before one of a role; false if there is no such
+    /// word.
+    fn skip_unknown_before(&mut self, role: Role) -> bool {
+        let found = (self.state.at..=self.state.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
         let Some(found) = found else { return false };
-        let are_strays = (self.at..found).all(|at| {
-            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Lacks, Role::Stranger]))
+        let are_unknown = (self.state.at..found).all(|at| {
+            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common]))
         });
-        while are_strays && self.at < found {
+        while are_unknown && self.state.at < found {
             self.report_unused();
         }
-        are_strays
+        are_unknown
     }
 
-    /// Colours with joints between, and whether one of the joints is "and".
+    /// Colours with joints between them, and whether one of the joints is "and".
     fn colors(&mut self) -> (Vec<Color>, bool) {
         let (mut colors, mut is_and) = (Vec::new(), false);
         while let Some(color) = self.entry().color {
             colors.push(color);
-            self.at += 1;
-            let next = self.after(self.at, JOINTS);
+            self.bump();
+            let next = self.next_not_in(self.state.at, JOINTS);
             if !self.is_at(next, Role::Color) {
                 break;
             }
             is_and |= self.is(Role::And);
-            self.at = next;
+            self.state.at = next;
         }
         (colors, is_and)
     }
 
-    /// Whether the colours are those of something that is named behind them.
+    /// Whether the colours belong to a noun behind them that is not clothing.
     fn is_something_else(&self) -> bool {
-        self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Lacks]))
+        self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Unsupported]))
     }
 
-    /// Says how a piece of clothing is read, whose kind nobody checks; the word at `at` names it, what is said of it begins at `start`.
+    /// Reports how a piece of clothing is read, since its kind is not checked. The word at `at`
+    /// names it; its description begins at `start`.
     fn report_garment(&mut self, garment: Garment, start: usize, at: usize) {
         let word = self.word(at);
         let place = match garment {
@@ -176,7 +188,7 @@ impl Parser<'_> {
     }
 }
 
-/// The conditions of which one must hold.
+/// Conditions, one of which must hold.
 fn worn(garment: Garment, color: Color) -> Vec<Condition> {
     let (upper, lower) = (Condition::UpperColor(color), Condition::LowerColor(color));
     match garment {

@@ -1,21 +1,22 @@
-//! A text as words, and the words as known phrases.
+//! Splits a text into words, numbers and marks, and computes the keys to look words up by.
 
-use jrdb_types::issue::IssueKind;
-use jrdb_types::{Issue, Span};
-
-use smallvec::SmallVec;
-
-use crate::lexicon::{Entry, Key, LETTERS_MAX, LEXICON, Lexicon, Roles, special};
-use crate::suggest::{Suggestion, suggest};
-
-/// Words of most questions at most: so many need no memory of their own.
-const WORDS: usize = 32;
-
-/// The pieces of a text.
-pub(crate) type Pieces = SmallVec<[Piece; WORDS]>;
-
-/// The phrases of a text.
-pub(crate) type Tokens = SmallVec<[Token; WORDS]>;
+/// Numbers of what is not a word of the file. The entries of the same numbers stand for them.
+pub(crate) mod special {
+    /// A word of no phrase.
+    pub(crate) const UNKNOWN: u16 = 0;
+    /// Digits.
+    pub(crate) const NUMBER: u16 = 1;
+    /// A comma or semicolon.
+    pub(crate) const COMMA: u16 = 2;
+    /// A slash or backslash.
+    pub(crate) const SLASH: u16 = 3;
+    /// A dash between numbers.
+    pub(crate) const DASH: u16 = 4;
+    /// The end of the text.
+    pub(crate) const END: u16 = 5;
+    /// Their count.
+    pub(crate) const COUNT: u16 = 6;
+}
 
 /// A word, a number or a mark of the text.
 #[derive(Debug, Clone, Copy)]
@@ -28,20 +29,7 @@ pub(crate) struct Piece {
     pub(crate) end: usize,
 }
 
-/// A phrase of the text.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Token {
-    pub(crate) entry: &'static Entry,
-    /// The entry's: looked at more often than all else of it.
-    pub(crate) roles: Roles,
-    pub(crate) start: usize,
-    pub(crate) end: usize,
-}
-
-/// How many unknown words are compared with the lexicon; a text with more is no question.
-pub(crate) const SUGGESTIONS_MAX: usize = 20;
-
-/// What a byte is to the text.
+/// The class of a byte.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Class {
     Blank,
@@ -50,7 +38,7 @@ enum Class {
     Apostrophe,
     Comma,
     Slash,
-    /// First byte of a character beyond ASCII.
+    /// First byte of a character outside ASCII.
     Wide,
 }
 
@@ -72,67 +60,40 @@ const CLASSES: [Class; 256] = {
     classes
 };
 
-/// Splits a text into phrases, the longest of the lexicon at each place. Words of no phrase are read as the one known
-/// word that is one edit away, and reported.
-pub(crate) fn tokenize(text: &str, tokens: &mut Tokens, issues: &mut Vec<Issue>) {
-    let lexicon = &*LEXICON;
-    let mut pieces = Pieces::new();
-    split_known(text, &mut pieces, issues);
-    let mut rest = &pieces[..];
-    while let [first, behind @ ..] = rest {
-        let (entry, more) = lexicon.longest(first.word, behind);
-        let last = if more == 0 { first } else { &behind[more - 1] };
-        let entry = lexicon.entry(entry);
-        tokens.push(Token { entry, roles: entry.roles, start: first.start, end: last.end });
-        rest = &behind[more..];
-    }
-}
+/// Letters of the longest word of the lexicon.
+pub(crate) const LETTERS_MAX: usize = 16;
 
-/// The pieces of a text with their numbers in the lexicon.
-pub(crate) fn split_known(text: &str, pieces: &mut Pieces, issues: &mut Vec<Issue>) {
-    let lexicon = &*LEXICON;
-    let mut suggestions = 0;
-    for (mut piece, key) in split(text) {
-        if piece.word == special::UNKNOWN {
-            piece.word = lexicon.number(key);
-            if piece.word == special::UNKNOWN {
-                piece.word = respelled(lexicon, text, piece, &mut suggestions, issues);
-            }
+/// The letters of a word in lower case, as one number; 0 for an empty word and for one that is too
+/// long for the lexicon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Key(u128);
+
+impl Key {
+    /// The key of the first `length` bytes of a text.
+    pub(crate) fn of(text: &[u8], length: usize) -> Self {
+        let mut letters = [0; LETTERS_MAX];
+        if let (Some(to), Some(word)) = (letters.get_mut(..length), text.get(..length)) {
+            to.copy_from_slice(word);
         }
-        pieces.push(piece);
+        letters.make_ascii_lowercase();
+        Self(u128::from_le_bytes(letters))
+    }
+
+    /// The key of a word from its first eight letters and the others, in lower case, each padded
+    /// with zeros.
+    pub(crate) fn from_halves(first: u64, second: u64) -> Self {
+        Self(u128::from(second) << u64::BITS | u128::from(first))
+    }
+
+    /// Both halves combined, for hashing.
+    pub(super) fn folded(self) -> u64 {
+        self.0 as u64 ^ (self.0 >> u64::BITS) as u64
     }
 }
 
-/// The number of a word that is not known as it is written.
-#[cold]
-fn respelled(
-    lexicon: &Lexicon,
-    text: &str,
-    piece: Piece,
-    suggestions: &mut usize,
-    issues: &mut Vec<Issue>,
-) -> u16 {
-    let word = &text[piece.start..piece.end];
-    let with_apostrophe =
-        if word.is_ascii() { special::UNKNOWN } else { lexicon.word(&word.replace('’', "'")) };
-    if with_apostrophe != special::UNKNOWN || *suggestions == SUGGESTIONS_MAX {
-        return with_apostrophe;
-    }
-    *suggestions += 1;
-    corrected(word, piece, issues)
-}
-
-fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
-    let Some(Suggestion::Only(known)) = suggest(word) else { return special::UNKNOWN };
-    let span = Span { start: piece.start, end: piece.end };
-    let message = format!("unknown word {word:?} read as {known:?}");
-    let issue = Issue::at(IssueKind::MisspelledWord, span, message);
-    issues.push(Issue { suggestion: Some(known.to_owned()), ..issue });
-    LEXICON.word(known)
-}
-
-/// The pieces of a text, and what words are looked up by. Words are runs of letters and apostrophes, but `'s` and `'re` are
-/// words of their own; a hyphen between digits is a dash; every other mark only separates.
+/// The pieces of a text, with the keys of its words. Words are runs of letters and apostrophes, but
+/// `'s` and `'re` are words of their own. A hyphen between digits is a dash; every other mark only
+/// separates.
 pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
     let bytes = text.as_bytes();
     let mut at = 0;
@@ -140,7 +101,7 @@ pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
         loop {
             let rest = &bytes[at..];
             let start = at;
-            // Nearly every separator is one.
+            // Nearly every separator is a single blank.
             if *rest.first()? == b' ' {
                 at += 1;
                 continue;
@@ -158,18 +119,19 @@ pub(crate) fn split(text: &str) -> impl Iterator<Item = (Piece, Key)> {
     })
 }
 
-/// Bytes that are looked at together; few words are longer.
+/// Bytes that are examined together; few words are longer.
 const CHUNK: usize = 8;
 
 /// A number whose bytes are all 1.
 const ONES: u64 = u64::MAX / u8::MAX as u64;
 
-/// The ASCII letters that some bytes begin with, in lower case and with zeros behind them, and how many they are.
+/// The leading ASCII letters of some bytes, in lower case and padded with zeros, and their number.
 fn letters(bytes: [u8; CHUNK]) -> (u64, usize) {
     const CASE: u8 = b'a' ^ b'A';
     const TOP: u64 = ONES * 0x80;
     let lower = u64::from_le_bytes(bytes) | (ONES * u64::from(CASE));
-    // The top bit of each byte tells. A byte beyond ASCII, which is none, may spoil those behind it: they do not matter.
+    // The top bit of each byte is set if it is not a letter. A byte outside ASCII may spoil the
+    // bytes behind it, which do not matter.
     let from_a = lower.wrapping_add(ONES * u64::from(0x80 - b'a'));
     let beyond_z = lower.wrapping_add(ONES * u64::from(0x7f - b'z'));
     let others = !(from_a & !beyond_z & !lower) & TOP;
@@ -178,7 +140,7 @@ fn letters(bytes: [u8; CHUNK]) -> (u64, usize) {
     (lower & !behind, length as usize)
 }
 
-/// The word that a text begins with, if it is one of plain letters that nothing goes on.
+/// The first word of a text, if it consists of ASCII letters only.
 #[inline]
 fn plain_word(text: &[u8]) -> Option<(Key, usize)> {
     let (first, mut length) = letters(chunk(text));
@@ -229,7 +191,7 @@ fn is_digit(bytes: &[u8], at: usize) -> bool {
     bytes.get(at).is_some_and(u8::is_ascii_digit)
 }
 
-/// The length of the `s` or `re` that stands alone here, 0 when something else does.
+/// The length of a separate `s` or `re` at a position, 0 if there is none.
 fn suffix(bytes: &[u8], at: usize) -> usize {
     let length = bytes[at..].iter().take(3).take_while(|b| b.is_ascii_alphanumeric()).count();
     let letters = &bytes[at..at + length];
@@ -237,7 +199,7 @@ fn suffix(bytes: &[u8], at: usize) -> usize {
     if is_suffix { length } else { 0 }
 }
 
-/// Where the word ends that goes on at a place, if it does.
+/// The end of the word that continues at a position.
 fn word_end(bytes: &[u8], text: &str, mut at: usize) -> usize {
     while at < bytes.len() {
         at += match CLASSES[usize::from(bytes[at])] {
@@ -287,21 +249,6 @@ fn wide(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
 mod tests {
     use super::*;
 
-    fn shown(text: &str) -> Vec<&str> {
-        let mut tokens = Tokens::new();
-        tokenize(text, &mut tokens, &mut Vec::new());
-        tokens.iter().map(|t| &text[t.start..t.end]).collect()
-    }
-
-    #[test]
-    fn the_longest_phrase_wins_and_hyphens_are_blanks() {
-        assert_eq!(shown("Middle-aged, in front of"), ["Middle-aged", ",", "in front of"]);
-        assert_eq!(
-            shown("his\\her 3m 2-4 0.13"),
-            ["his", "\\", "her", "3", "m", "2", "-", "4", "0.13"]
-        );
-    }
-
     #[test]
     fn letters_are_told_from_every_other_byte() {
         for byte in 0..=u8::MAX {
@@ -312,27 +259,5 @@ mod tests {
             assert_eq!(word, u64::from(b'q') | if is_letter { lower } else { 0 }, "{byte}");
         }
         assert_eq!(letters(*b"distance"), (u64::from_le_bytes(*b"distance"), 8));
-    }
-
-    #[test]
-    fn the_possessive_is_a_word_of_its_own_with_either_apostrophe() {
-        assert_eq!(shown("the man's left"), ["the", "man", "'s", "left"]);
-        assert_eq!(shown("who’s isn’t 'quoted'"), ["who", "’s", "isn’t", "quoted"]);
-        assert_eq!(shown("the girls' left"), ["the", "girls", "left"]);
-    }
-
-    #[test]
-    fn words_of_other_scripts_keep_their_bytes() {
-        assert_eq!(shown("a zébra 人 cafe\u{301}!"), ["a", "zébra", "人", "cafe\u{301}"]);
-    }
-
-    #[test]
-    fn a_typo_is_read_as_the_word_meant_and_reported() {
-        let mut issues = Vec::new();
-        let mut tokens = Tokens::new();
-        tokenize("the femlae person", &mut tokens, &mut issues);
-        assert!(!tokens[1].entry.says.is_empty());
-        assert_eq!(issues[0].message, r#"unknown word "femlae" read as "female""#);
-        assert_eq!(issues[0].span, Some(Span { start: 4, end: 10 }));
     }
 }

@@ -1,4 +1,5 @@
-//! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second from the left".
+//! Superlatives, comparatives and ordinals: "the two oldest women", "taller than the man", "second
+//! from the left".
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
@@ -7,16 +8,16 @@ use jrdb_types::query::{
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
 
+use crate::grammar::number::rounded_m;
 use crate::lexicon::{Measured, Role, Roles};
-use crate::noun::Thing;
-use crate::number::rounded_m;
 use crate::parser::Parser;
-use crate::place::push_related;
+use crate::pattern::push_related;
+use crate::phrase::NounGroup;
 
-/// Words that may stand between "closest" or "second" and the place it is told from.
+/// Words that may stand between "closest" or "second" and the place that follows.
 const LINK: Roles = Roles::of(&[Role::To, Role::At, Role::The, Role::Of]);
 
-/// What begins the thing that "closest" is told from: "to the door", "the door".
+/// What begins the reference of "closest": "to the door", "the door".
 const FROM: Roles = Roles::of(&[Role::To, Role::The, Role::A]);
 
 fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
@@ -31,76 +32,79 @@ fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
 }
 
 impl Parser<'_> {
-    /// "tallest", "closest to the door", with the rank and number said before.
+    /// "tallest", "closest to the door", with the rank and count read before.
     pub(crate) fn superlative(&mut self, rank: u32, count: u32) -> Option<Pick> {
         let (measured, order) = self.entry().order?;
-        self.at += 1;
-        let from = if measured == Measured::Distance { self.told_from() } else { None };
+        self.bump();
+        let mut from = None;
+        if measured == Measured::Distance {
+            self.eat(Role::Side);
+            from = self.distance_reference();
+        }
         Some(Pick { measure: measure(measured, from), order, rank, count })
     }
 
-    /// The thing of "to the door" behind "closest".
-    pub(crate) fn told_from(&mut self) -> Option<Pattern> {
-        self.take(Role::Side);
-        let next = self.after(self.at, LINK);
+    /// The reference "to the door" behind "closest".
+    pub(crate) fn distance_reference(&mut self) -> Option<Pattern> {
+        let next = self.next_not_in(self.state.at, LINK);
         if !self.roles().has_any(FROM) || self.is_at(next, Role::Sector) {
             return None;
         }
-        let mark = self.mark();
-        self.at += usize::from(self.is(Role::To));
-        let found = self.deeper(Self::party);
+        let start = self.state.at;
+        self.state.at += usize::from(self.is(Role::To));
+        let found = self.nested(Self::noun_phrase);
         if found.is_none() {
-            self.reset(mark);
+            self.state.at = start;
         }
         found
     }
 
-    /// "from the left" behind "the second person": the order that the rank is of.
+    /// "from the left" behind "the second person": the order of the rank.
     pub(crate) fn side_pick(&mut self, rank: u32, count: u32) -> Option<Pick> {
-        let next = self.after(self.at, LINK);
+        let next = self.next_not_in(self.state.at, LINK);
         let sector = self.entry_at(next).sector?;
         let order = match sector {
             Sector::Left => Order::Least,
             Sector::Right => Order::Most,
             _ => return None,
         };
-        if next == self.at || self.is_at(next + 1, Role::Of) {
+        if next == self.state.at || self.is_at(next + 1, Role::Of) {
             return None;
         }
-        self.at = next + 1;
-        self.skip(Roles::of(&[Role::Side]));
+        self.state.at = next + 1;
+        self.skip_while(Roles::of(&[Role::Side]));
         Some(Pick { measure: Measure::FromLeft, order, rank, count })
     }
 
     /// "taller than the man", "closer to me than the child"; "the taller one" picks the tallest.
     pub(crate) fn comparative(&mut self, pattern: &mut Pattern) -> bool {
-        let start = self.at;
+        let start = self.state.at;
         let Some((measured, order)) = self.entry().order.filter(|_| self.is(Role::Comparative))
         else {
             return false;
         };
-        self.at += 1;
-        self.take(Role::Side);
-        let from = if measured == Measured::Distance { self.told_from() } else { None };
-        if !self.take(Role::Than) {
+        self.bump();
+        self.eat(Role::Side);
+        let from = if measured == Measured::Distance { self.distance_reference() } else { None };
+        if !self.eat(Role::Than) {
             let pick = Pick { measure: measure(measured, from), order, rank: 1, count: 1 };
             return self.put_pick(pattern, pick, start);
         }
         if self.is(Role::To) {
-            self.at += 1;
-            self.deeper(Self::party);
+            self.bump();
+            self.nested(Self::noun_phrase);
             let message = "nearer to one thing than to another cannot be asked, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
             return self.beyond(pattern, measured, order, metres, start);
         }
-        let Some(than) = self.deeper(Self::party) else {
+        let Some(than) = self.nested(Self::noun_phrase) else {
             self.report(
                 IssueKind::MisplacedWord,
                 start,
-                self.at,
+                self.state.at,
                 "nothing to compare with, not used".into(),
             );
             return true;
@@ -122,7 +126,7 @@ impl Parser<'_> {
     ) -> bool {
         if measured != Measured::Distance {
             let message = "only distances are compared with metres, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.at, message);
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
@@ -131,8 +135,8 @@ impl Parser<'_> {
             Order::Most => Interval { min: limit, max: None },
         };
         let place = Place::Metres(metres);
-        self.take(Role::Side);
-        match self.told_from().filter(|from| from.category != Category::Robot) {
+        self.eat(Role::Side);
+        match self.distance_reference().filter(|from| from.category != Category::Robot) {
             None => pattern.conditions.push(Condition::FromRobot(place)),
             Some(from) => {
                 let kind = RelationKind::Placed { place, viewpoint: Viewpoint::Partner };
@@ -142,26 +146,26 @@ impl Parser<'_> {
         true
     }
 
-    /// Sets what is picked; a second choice from the same things is reported.
+    /// Sets the pick of a pattern; a second pick is reported.
     pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
         if pattern.pick.is_some() {
             let message = "only one order can be asked for, this one is not used".into();
-            self.report(IssueKind::MisplacedWord, start, self.at, message);
+            self.report(IssueKind::MisplacedWord, start, self.state.at, message);
         } else {
             pattern.pick = Some(pick);
         }
         true
     }
 
-    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of the men" behind
-    /// "the tallest".
-    pub(crate) fn behind_noun(&mut self, thing: &mut Thing) {
-        if thing.pattern.pick.is_some() {
-            self.behind_choice(thing);
+    /// "from the left" behind "the second person", "to the door" behind "the closest person", "of
+    /// the men" behind "the tallest".
+    pub(crate) fn after_noun(&mut self, group: &mut NounGroup) {
+        if group.pattern.pick.is_some() {
+            self.after_superlative(group);
         }
-        let Some((rank, at)) = thing.rank.take() else { return };
-        let count = thing.count.take().map_or(1, |(count, _)| count);
-        let is_last = thing.is_last && self.is(Role::To);
+        let Some((rank, at)) = group.rank.take() else { return };
+        let count = group.count.take().map_or(1, |(count, _)| count);
+        let is_last = group.is_last && self.is(Role::To);
         if let Some(mut pick) = self.side_pick(rank, count) {
             if is_last {
                 // "From the left" the last is the rightmost; "on the left" it is the leftmost.
@@ -170,9 +174,9 @@ impl Parser<'_> {
                     Order::Most => Order::Least,
                 };
             }
-            thing.pattern.pick = Some(pick);
+            group.pattern.pick = Some(pick);
         } else if self.is(Role::Superlative) {
-            thing.pattern.pick = self.superlative(rank, count);
+            group.pattern.pick = self.superlative(rank, count);
         } else {
             let message =
                 "in which order is not said: say \"from the left\" or \"tallest\"; not used";
@@ -180,23 +184,25 @@ impl Parser<'_> {
         }
     }
 
-    fn behind_choice(&mut self, thing: &mut Thing) {
+    fn after_superlative(&mut self, group: &mut NounGroup) {
         if self.is(Role::Of) && !self.is(Role::Sector) {
-            let mark = self.mark();
-            self.at += 1;
-            match self.deeper(Self::thing) {
+            let checkpoint = self.checkpoint();
+            self.bump();
+            match self.nested(Self::noun_group) {
                 Some(all) if all.pattern.pick.is_none() => {
-                    thing.pattern.category = all.pattern.category;
-                    thing.pattern.conditions.extend(all.pattern.conditions);
+                    group.pattern.category = all.pattern.category;
+                    group.pattern.conditions.extend(all.pattern.conditions);
                 }
-                _ => self.reset(mark),
+                _ => self.rewind(checkpoint),
             }
         }
-        let Some(pick) = &mut thing.pattern.pick else { return };
+        let Some(pick) = &mut group.pattern.pick else { return };
         let is_default = |p: &Pattern| p.category == Category::Robot;
-        if matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from))
-            && let Some(from) = self.told_from()
-        {
+        if !matches!(&pick.measure, Measure::DistanceTo(from) if is_default(from)) {
+            return;
+        }
+        self.eat(Role::Side);
+        if let Some(from) = self.distance_reference() {
             pick.measure = Measure::DistanceTo(Box::new(from));
         }
     }
