@@ -7,5 +7,5 @@ mod timeless;
 
 pub use bits::BitSet;
 pub use build::{GraphConfig, Hidden, Pairs, build};
-pub use index::{Column, Columns, GraphIndex, Row};
+pub use index::{Columns, GraphIndex, Row};
 pub use timeless::make_timeless;

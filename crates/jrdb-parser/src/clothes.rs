@@ -3,7 +3,7 @@
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
-use jrdb_types::{Condition, Pattern};
+use jrdb_types::{AttributeValue, Condition, Pattern};
 
 use crate::joined::{all_of, any_of, join, split_from};
 use crate::lexicon::{Garment, Role, Roles};
@@ -178,7 +178,8 @@ impl Parser<'_> {
 
 /// The conditions of which one must hold.
 fn worn(garment: Garment, color: Color) -> Vec<Condition> {
-    let (upper, lower) = (Condition::UpperColor(color), Condition::LowerColor(color));
+    let [upper, lower] = [AttributeValue::upper_color(color), AttributeValue::lower_color(color)]
+        .map(Condition::has);
     match garment {
         Garment::Upper => vec![upper],
         Garment::Lower => vec![lower],

@@ -2,7 +2,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
-use jrdb_types::{Condition, Issue, Pattern, Query};
+use jrdb_types::{Attribute, Condition, Issue, Pattern, Query};
 
 use crate::clause::Scope;
 use crate::coordination::{either, remembered, set_count};
@@ -13,8 +13,12 @@ use crate::parser::Parser;
 use crate::shared::Part;
 
 /// What "describe" tells.
-const DESCRIPTION: [Property; 4] =
-    [Property::Age, Property::Gender, Property::Race, Property::Action];
+const DESCRIPTION: [Property; 4] = [
+    Property::Attribute(Attribute::Age),
+    Property::Attribute(Attribute::Gender),
+    Property::Attribute(Attribute::Race),
+    Property::Attribute(Attribute::Action),
+];
 
 /// Words before a question that say nothing.
 const LEAD: Roles = Roles::of(&[Role::Filler, Role::Comma, Role::And, Role::Slash]);

@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod artefact;
+pub mod attribute;
 pub mod detection;
 pub mod entity;
 pub mod geometry;
@@ -21,7 +22,11 @@ pub mod vocab;
 
 pub use answer::Answer;
 pub use artefact::{Artefact, ArtefactError, Payload};
-pub use detection::{Attributes, Belief, Detection, Detections};
+pub use attribute::{
+    Attribute, AttributeBelief, AttributeNotation, AttributeRow, AttributeSource, AttributeValue,
+    AttributeWording, Attributes, Belief,
+};
+pub use detection::{Detection, Detections};
 pub use entity::{Entities, Entity, Heading, Localizer, PairRelation, Position, SpatialRelation};
 pub use geometry::{Box3d, FloorPlane, ImageGeometry, PixelBox};
 pub use graph::{Edge, EdgeRelation, Node, SceneGraph};
