@@ -24,7 +24,7 @@ use jrdb_projection::{BaseCloud, ProjectionConfig, Scan, Sensors, project};
 use jrdb_search::{SearchConfig, search};
 use jrdb_types::vocab::Color;
 use jrdb_types::{
-    Action, Age, Attributes, Belief, Box3d, Entities, Gender, LateralConvention, Localizer,
+    Action, Age, AttributeValue, Attributes, Box3d, Entities, Gender, LateralConvention, Localizer,
     PointCloud, Query, Race,
 };
 
@@ -181,14 +181,13 @@ fn crowd() -> Entities {
     {
         detection.heading_rad = Some(wrap_rad(box3d.heading_rad));
         detection.box3d = Some(box3d);
-        detection.attributes = Attributes {
-            age: Belief::certain(Age::ALL[number % Age::ALL.len()]),
-            gender: Belief::certain(Gender::ALL[number % Gender::ALL.len()]),
-            race: Belief::certain(Race::ALL[number / 2 % Race::ALL.len()]),
-            action: Belief::certain(Action::ALL[number / 3 % Action::ALL.len()]),
-            upper_color: Belief::certain(Color::ALL[number / 4 % Color::ALL.len()]),
-            ..Attributes::default()
-        };
+        detection.attributes = Attributes::certain([
+            Age::ALL[number % Age::ALL.len()].into(),
+            Gender::ALL[number % Gender::ALL.len()].into(),
+            Race::ALL[number / 2 % Race::ALL.len()].into(),
+            Action::ALL[number / 3 % Action::ALL.len()].into(),
+            AttributeValue::upper_color(Color::ALL[number / 4 % Color::ALL.len()]),
+        ]);
     }
     let config = ProjectionConfig { localizer: Localizer::Given, ..ProjectionConfig::default() };
     let rig = inputs::rig();

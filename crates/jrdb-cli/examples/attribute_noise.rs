@@ -132,23 +132,28 @@ fn noisy(truth: &SceneGraph, random: &mut Random) -> SceneGraph {
     let mut graph = truth.clone();
     for node in graph.nodes.iter_mut().filter(|node| is_person(node)) {
         let attributes = &mut node.attributes;
-        flip(&mut attributes.gender, Gender::ALL, GENDER_FLIP, random);
-        flip(&mut attributes.race, Race::ALL, RACE_FLIP, random);
-        flip(&mut attributes.age, Age::ALL, AGE_FLIP, random);
-        flip(&mut attributes.action, Action::ALL, ACTION_FLIP, random);
+        attributes.set_gender(flip(attributes.gender(), Gender::ALL, GENDER_FLIP, random));
+        attributes.set_race(flip(attributes.race(), Race::ALL, RACE_FLIP, random));
+        attributes.set_age(flip(attributes.age(), Age::ALL, AGE_FLIP, random));
+        attributes.set_action(flip(attributes.action(), Action::ALL, ACTION_FLIP, random));
     }
     graph
 }
 
-fn flip<T: Ord + Copy>(belief: &mut Belief<T>, all: &[T], probability: f64, random: &mut Random) {
-    let Some(truth) = belief.best() else { return };
+fn flip<T: Ord + Copy>(
+    belief: Belief<T>,
+    all: &[T],
+    probability: f64,
+    random: &mut Random,
+) -> Belief<T> {
+    let Some(truth) = belief.best() else { return belief };
     let others: Vec<T> = all.iter().copied().filter(|value| *value != truth).collect();
     let is_flipped = random.uniform() < probability;
     let other = others[random.below(others.len())];
     let seen = if is_flipped { other } else { truth };
     let rest = probability / others.len() as f64;
     let believed = |value: &T| (*value, if *value == seen { 1.0 - probability } else { rest });
-    *belief = Belief(all.iter().map(believed).collect());
+    Belief(all.iter().map(believed).collect())
 }
 
 fn is_person(node: &Node) -> bool {
@@ -173,10 +178,10 @@ fn condition(
 ) -> Option<Condition> {
     let attributes = &person.attributes;
     Some(match asked {
-        Asked::Age => Condition::Age(attributes.age.best()?),
-        Asked::Gender => Condition::Gender(attributes.gender.best()?),
-        Asked::Race => Condition::Race(attributes.race.best()?),
-        Asked::Action => Condition::Action(attributes.action.best()?),
+        Asked::Age => Condition::has(attributes.age().best()?),
+        Asked::Gender => Condition::has(attributes.gender().best()?),
+        Asked::Race => Condition::has(attributes.race().best()?),
+        Asked::Action => Condition::has(attributes.action().best()?),
         Asked::Distance => Condition::FromRobot(Place::Distance(person.from_robot?.distance?)),
         Asked::Direction => Condition::FromRobot(Place::Direction(person.from_robot?.direction?)),
         Asked::Neighbor => neighbor(graph, person, random)?,

@@ -57,10 +57,10 @@ fn label(view: &View, person: usize) -> [i64; 7] {
     let seen = &view.people[person];
     let of = &seen.attributes;
     [
-        of.gender.best().map_or(-1, |value| value as i64),
-        of.age.best().map_or(-1, |value| value as i64),
-        of.race.best().map_or(-1, |value| value as i64),
-        of.action.best().map_or(-1, |value| value as i64),
+        of.gender().best().map_or(-1, |value| value as i64),
+        of.age().best().map_or(-1, |value| value as i64),
+        of.race().best().map_or(-1, |value| value as i64),
+        of.action().best().map_or(-1, |value| value as i64),
         of.facing.best().map_or(-1, |value| value as i64),
         (100.0 * view.visible(seen)) as i64,
         seen.bbox.h as i64,

@@ -192,10 +192,10 @@ fn said_as(key: &str, value: &Value) -> Option<Condition> {
     let word = value.as_str()?;
     let sector = DIRECTIONS.iter().find(|(name, _)| *name == word).map(|(_, sector)| *sector);
     match key {
-        "age" => Age::from_word(word).map(Condition::Age),
-        "gender" => Gender::from_word(word).map(Condition::Gender),
-        "race" => Race::from_word(word).map(Condition::Race),
-        "action" => Action::from_word(word).map(Condition::Action),
+        "age" => Age::from_word(word).map(Condition::has),
+        "gender" => Gender::from_word(word).map(Condition::has),
+        "race" => Race::from_word(word).map(Condition::has),
+        "action" => Action::from_word(word).map(Condition::has),
         "distance" => Some(Condition::FromRobot(Place::Distance(DistanceWord::from_word(word)?))),
         _ => Some(Condition::FromRobot(Place::Direction(Direction::level(sector?)))),
     }
@@ -242,13 +242,11 @@ fn node(value: &Value) -> Outcome<Node> {
         category: "person".into(),
         score: 1.0,
         bbox: PixelBox::from([0.0, 0.0, 1.0, 1.0]),
-        attributes: Attributes {
-            age: Belief::certain(word(&value["age"], Age::from_word)?),
-            gender: Belief::certain(word(&value["gender"], Gender::from_word)?),
-            race: Belief::from_label(value["race"].as_str().and_then(Race::from_word)),
-            action: Belief::certain(word(&value["action"], action)?),
-            ..Attributes::default()
-        },
+        attributes: Attributes::default()
+            .with_age(Belief::certain(word(&value["age"], Age::from_word)?))
+            .with_gender(Belief::certain(word(&value["gender"], Gender::from_word)?))
+            .with_race(Belief::from_label(value["race"].as_str().and_then(Race::from_word)))
+            .with_action(Belief::certain(word(&value["action"], action)?)),
         center: None,
         heading_rad: None,
         height_m: None,
@@ -294,12 +292,12 @@ fn conditions(value: &Value) -> Outcome<Vec<Condition>> {
 
 fn condition(key: &str, value: &Value) -> Outcome<Condition> {
     Ok(match key {
-        "age" => Condition::Age(word(value, Age::from_word)?),
-        "gender" => Condition::Gender(word(value, Gender::from_word)?),
+        "age" => Condition::has(word(value, Age::from_word)?),
+        "gender" => Condition::has(word(value, Gender::from_word)?),
         "distance" => Condition::FromRobot(Place::Distance(word(value, DistanceWord::from_word)?)),
         "sr_robot" => Condition::FromRobot(Place::Direction(sector(value)?)),
-        "race" => Condition::Race(word(value, Race::from_word)?),
-        "action" => Condition::Action(word(value, action)?),
+        "race" => Condition::has(word(value, Race::from_word)?),
+        "action" => Condition::has(word(value, action)?),
         other => return Err(format!("unknown attribute {other}").into()),
     })
 }

@@ -168,10 +168,10 @@ fn same<'d>(
 
 fn right(truth: &Attributes, told: &Attributes) -> [bool; 5] {
     [
-        truth.gender.best() == told.gender.best(),
-        truth.age.best() == told.age.best(),
-        truth.race.best() == told.race.best(),
-        truth.action.best() == told.action.best(),
+        truth.gender().best() == told.gender().best(),
+        truth.age().best() == told.age().best(),
+        truth.race().best() == told.race().best(),
+        truth.action().best() == told.action().best(),
         truth.facing.best() == told.facing.best(),
     ]
 }

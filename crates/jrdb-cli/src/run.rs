@@ -19,7 +19,7 @@ use jrdb_pipeline::{
     Frame, Pipeline, PipelineConfig, PlacedFrame, Recording, Robot, Scene, baseline,
 };
 use jrdb_projection::Motions;
-use jrdb_types::{Answer, FrameId, Query, Question, Scores};
+use jrdb_types::{Answer, FrameId, Query, Question};
 
 use crate::Error;
 use crate::output::{Layout, Writer, Written};

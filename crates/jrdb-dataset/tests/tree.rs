@@ -10,8 +10,8 @@ use jrdb_dataset::{Dataset, LabelledFrame, LidarMount, OfficialCalibration, Tree
 use jrdb_types::detection::Interaction;
 use jrdb_types::vocab::Occlusion;
 use jrdb_types::{
-    Action, Age, Attributes, Belief, Box3d, CylindricalPanorama, Detection, Detections, EntityId,
-    FrameId, Gender, Image, ImageGeometry, IssueKind, LensModel, Lidar, PixelBox, PointCloud, Race,
+    Action, Age, Attributes, Box3d, CylindricalPanorama, Detection, Detections, EntityId, FrameId,
+    Gender, Image, ImageGeometry, IssueKind, LensModel, Lidar, PixelBox, PointCloud, Race,
 };
 
 /// An empty folder for one test.
@@ -58,13 +58,12 @@ fn person(number: u32, x: f64) -> Detection {
         category: "person".into(),
         score: 1.0,
         bbox: PixelBox::from([x, 10.0, 20.5, 30.0]),
-        attributes: Attributes {
-            age: Belief::certain(Age::MiddleAged),
-            gender: Belief::certain(Gender::Female),
-            race: Belief::certain(Race::Asian),
-            action: Belief::certain(Action::GoingDown),
-            ..Attributes::default()
-        },
+        attributes: Attributes::certain([
+            Age::MiddleAged.into(),
+            Gender::Female.into(),
+            Race::Asian.into(),
+            Action::GoingDown.into(),
+        ]),
         interactions: Vec::new(),
         group: None,
         occlusion: Some(Occlusion::MostlyVisible),

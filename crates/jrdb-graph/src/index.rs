@@ -16,7 +16,7 @@ use adjacency::{Ends, Rows, Runs};
 use ids::{Ids, NOWHERE};
 
 pub use adjacency::Row;
-pub use columns::{Column, Columns};
+pub use columns::Columns;
 
 /// Class of people's ids in JRDB.
 const PEDESTRIAN: &str = "pedestrian";

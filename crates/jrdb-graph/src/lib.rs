@@ -8,6 +8,6 @@ mod timeless;
 
 pub use bits::BitSet;
 pub use build::{GraphConfig, Hidden, Pairs, build};
-pub use index::{Column, Columns, GraphIndex, Row};
+pub use index::{Columns, GraphIndex, Row};
 pub use indexed::IndexedGraph;
 pub use timeless::make_timeless;

@@ -80,13 +80,12 @@ pub(crate) fn join_exclusive(conditions: &mut Vec<Condition>, length: usize) {
 
 /// Whether the two conditions exclude each other: two ages, two actions, two directions.
 pub(crate) fn excludes(first: &Condition, second: &Condition) -> bool {
-    use Condition::{Action, Age, Any, FromRobot, Gender, Race};
+    use Condition::{Any, Attribute, FromRobot};
     match (first, second) {
         (Any(parts), second) => parts.iter().any(|part| excludes(part, second)),
-        (Age(a), Age(b)) => a != b,
-        (Gender(a), Gender(b)) => a != b,
-        (Race(a), Race(b)) => a != b,
-        (Action(a), Action(b)) => a != b,
+        (Attribute(a), Attribute(b)) => {
+            a.attribute() == b.attribute() && a.attribute().row().exclusive && a != b
+        }
         (FromRobot(Place::Direction(a)), FromRobot(Place::Direction(b))) => a != b,
         _ => false,
     }

@@ -145,10 +145,10 @@ impl Appearance {
         }
         let least = self.config.min_probability;
         if let Some(gender) = &self.faces.gender {
-            attributes.gender = gender.gender(picture, face, least)?;
+            attributes.set_gender(gender.gender(picture, face, least)?);
         }
         if let Some(age) = &self.faces.age {
-            attributes.age = age.age(picture, face, least)?;
+            attributes.set_age(age.age(picture, face, least)?);
         }
         Ok(())
     }
@@ -167,14 +167,12 @@ impl AttributeModel for Appearance {
         if detection.category != PERSON || !bbox.is_proper() {
             return Ok(Attributes::default());
         }
-        let mut attributes = Attributes {
-            action: posture(bbox, image.height as f64),
-            upper_color: self.color(image, bbox, UPPER),
-            ..Attributes::default()
-        };
+        let mut attributes = Attributes::default()
+            .with_action(posture(bbox, image.height as f64))
+            .with_upper_color(self.color(image, bbox, UPPER));
         // In a broad box legs are bent or hidden.
         if bbox.h / bbox.w > SEATED_MAX_RATIO {
-            attributes.lower_color = self.color(image, bbox, LOWER);
+            attributes.set_lower_color(self.color(image, bbox, LOWER));
         }
         if let Some((picture, face)) = self.face(image, bbox)? {
             self.read(&mut attributes, &picture, &face)?;
@@ -210,10 +208,10 @@ mod tests {
     fn clothes_and_posture_are_told_across_the_seam_without_any_model() {
         let appearance = Appearance::new(FaceModels::default(), AppearanceConfig::default());
         let found = appearance.describe(&dressed(), &person([185.0, 10.0, 30.0, 80.0])).unwrap();
-        assert_eq!(found.upper_color, Belief::certain(Color::Red));
-        assert_eq!(found.lower_color, Belief::certain(Color::Blue));
-        assert_eq!(found.action.best(), Some(Action::Standing));
-        assert!(found.gender.is_unknown() && found.age.is_unknown() && found.facing.is_unknown());
+        assert_eq!(found.upper_color(), Belief::certain(Color::Red));
+        assert_eq!(found.lower_color(), Belief::certain(Color::Blue));
+        assert_eq!(found.action().best(), Some(Action::Standing));
+        assert!(found.gender().is_unknown() && found.age().is_unknown() && found.facing().is_unknown());
     }
 
     #[test]

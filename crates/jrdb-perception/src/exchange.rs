@@ -248,7 +248,7 @@ mod tests {
             (PixelBox::from([95.0, 5.0, 9.0, 20.0]), 0.8, "chair".into()),
         ]);
         let person = found.iter_mut().find(|one| one.category == PERSON).unwrap();
-        person.attributes.age = Belief([(Age::Young, 0.75), (Age::Adolescent, 0.25)].into());
+        person.attributes.set_age(Belief([(Age::Young, 0.75), (Age::Adolescent, 0.25)].into()));
         Detections {
             frame: FrameId::default(),
             image: IMAGE,
@@ -277,7 +277,7 @@ mod tests {
         lines[1].reply = say("She is a woman.");
         let told = play(&lines, &FrameId::default(), IMAGE);
         let person = told.detections.iter().find(|one| one.category == PERSON).unwrap();
-        assert_eq!(person.attributes.gender.best(), Some(Gender::Female));
+        assert_eq!(person.attributes.gender().best(), Some(Gender::Female));
         lines[1].reply = say("I cannot say.");
         let unclear = play(&lines, &FrameId::default(), IMAGE);
         assert!(unclear.issues[0].message.contains("expected one of male, female"));

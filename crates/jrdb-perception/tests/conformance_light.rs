@@ -160,9 +160,9 @@ fn conformance_light_describes_labelled_people_alike_on_both_engines() {
         else {
             continue;
         };
-        assert_eq!((&found.facing, &found.upper_color), (&other.facing, &other.upper_color));
-        worst = worst.max(belief_difference(&found.gender, &other.gender));
-        worst = worst.max(belief_difference(&found.age, &other.age));
+        assert_eq!((&found.facing, found.upper_color()), (&other.facing, other.upper_color()));
+        worst = worst.max(belief_difference(&found.gender(), &other.gender()));
+        worst = worst.max(belief_difference(&found.age(), &other.age()));
     }
     println!("largest difference between the engines: {worst:.1e} in probability");
     assert!(worst < 1e-4);

@@ -45,13 +45,11 @@ fn belief<T: Ord + Copy>(value: &Value, key: &str, read: impl Fn(&str) -> Option
 }
 
 fn attributes(value: &Value) -> Attributes {
-    Attributes {
-        age: belief(value, "age", Age::from_word),
-        gender: belief(value, "gender", Gender::from_word),
-        race: belief(value, "race", Race::from_word),
-        action: belief(value, "action", Action::from_word),
-        ..Attributes::default()
-    }
+    Attributes::default()
+        .with_age(belief(value, "age", Age::from_word))
+        .with_gender(belief(value, "gender", Gender::from_word))
+        .with_race(belief(value, "race", Race::from_word))
+        .with_action(belief(value, "action", Action::from_word))
 }
 
 fn pixel_box(value: &Value) -> PixelBox {
@@ -238,11 +236,10 @@ fn condition(query: &Query, slot: usize, attribute: &str) -> Condition {
     let of_slot = query.slots.get(slot).map_or(&[][..], |slot| &slot.conditions);
     let mut conditions = query.target.conditions.iter().chain(of_slot);
     let found = conditions.find_map(|condition| match (attribute, condition) {
-        ("age", Condition::Age(_))
-        | ("gender", Condition::Gender(_))
-        | ("race", Condition::Race(_))
-        | ("action", Condition::Action(_))
-        | ("distance", Condition::FromRobot(Place::Distance(_)))
+        (name, Condition::Attribute(value)) if value.attribute().name() == name => {
+            Some(condition.clone())
+        }
+        ("distance", Condition::FromRobot(Place::Distance(_)))
         | ("SR_Robot_Ref", Condition::FromRobot(Place::Direction(_))) => Some(condition.clone()),
         (_, Condition::Related(related)) => part_of(related, attribute),
         _ => None,

@@ -10,7 +10,7 @@ use crate::wording;
 /// ```
 /// use jrdb_types::{Condition, Gender, Query};
 /// let mut query = Query::default();
-/// query.target.conditions.push(Condition::Gender(Gender::Male));
+/// query.target.conditions.push(Condition::has(Gender::Male));
 /// assert_eq!(jrdb_search::describe(&query), "find a person with\n  gender male");
 /// ```
 #[must_use]
@@ -40,7 +40,7 @@ fn asked(task: &Task, noun: &str) -> String {
         Task::CompareCounts { order: Order::Least, .. } => format!("are there fewer: {noun}"),
         Task::Where => format!("where is {noun}"),
         Task::Which { properties, in_order } => {
-            let names: Vec<&str> = properties.iter().map(|p| property(*p)).collect();
+            let names: Vec<String> = properties.iter().map(|p| property(*p)).collect();
             let over_time = if *in_order { " over time" } else { "" };
             format!("tell the {}{over_time} of {noun}", names.join(", "))
         }
@@ -56,21 +56,9 @@ pub(crate) fn described(slot: &Slot, number: usize) -> String {
     format!("{then}{}{conditions}", during.unwrap_or_default())
 }
 
-/// The name of a property.
-pub(crate) fn property(property: Property) -> &'static str {
-    match property {
-        Property::Age => "age",
-        Property::Gender => "gender",
-        Property::Race => "race",
-        Property::Action => "action",
-        Property::Distance => "distance",
-        Property::Direction => "direction",
-        Property::SocialInteraction => "social interaction",
-        Property::PeopleAround => "people around",
-        Property::ObjectInteraction => "object interaction",
-        Property::ObjectsAround => "objects around",
-        Property::Category => "category",
-    }
+/// The name of a property in words: `social interaction`.
+pub(crate) fn property(property: Property) -> String {
+    property.name().replace('_', " ")
 }
 
 /// Conditions of the target and of a slot together.

@@ -30,7 +30,7 @@ pub(crate) fn pools(config: &SearchConfig) -> bool {
 /// ```
 /// use jrdb_search::{SearchConfig, engine_sub_answer};
 /// use jrdb_types::{Condition, Gender};
-/// let women = engine_sub_answer(&[], &[Condition::Gender(Gender::Female)], &SearchConfig::engine());
+/// let women = engine_sub_answer(&[], &[Condition::has(Gender::Female)], &SearchConfig::engine());
 /// assert!(women.is_empty());
 /// ```
 #[must_use]

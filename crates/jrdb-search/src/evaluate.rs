@@ -205,16 +205,11 @@ impl Searcher<'_, '_> {
                 fill(&|number| Value::all(columns.iter().map(|c| c.values[number])));
                 Inner::Parts(columns)
             }
-            Condition::Age(_)
-            | Condition::Gender(_)
-            | Condition::Race(_)
-            | Condition::Action(_)
-            | Condition::UpperColor(_)
-            | Condition::LowerColor(_) => {
+            Condition::Attribute(asked) => {
                 let neighbor = self.config.age_neighbor_probability;
                 fill(&|number| {
                     let known = self.index.node(number).map(|node| &node.attributes);
-                    attribute::value(condition, known, neighbor).unwrap_or(Value::UNKNOWN)
+                    attribute::value(*asked, known, neighbor)
                 });
                 Inner::Leaf
             }
@@ -355,18 +350,15 @@ fn any_of<V: Iterator<Item = Value>>(condition: &Condition, values: impl Fn() ->
 }
 
 fn exclude_each_other(parts: &[Condition]) -> bool {
-    use Condition::{Action, Age, FromRobot, Gender, Race};
+    use Condition::{Attribute, FromRobot};
     use jrdb_types::Place::{Direction, Distance};
-    let is_one_kind = |pair: &[Condition]| {
-        matches!(
-            (&pair[0], &pair[1]),
-            (Age(_), Age(_))
-                | (Gender(_), Gender(_))
-                | (Race(_), Race(_))
-                | (Action(_), Action(_))
-                | (FromRobot(Distance(_)), FromRobot(Distance(_)))
-                | (FromRobot(Direction(_)), FromRobot(Direction(_)))
-        )
+    let is_one_kind = |pair: &[Condition]| match (&pair[0], &pair[1]) {
+        (Attribute(a), Attribute(b)) => {
+            a.attribute() == b.attribute() && a.attribute().row().exclusive
+        }
+        (FromRobot(Distance(_)), FromRobot(Distance(_)))
+        | (FromRobot(Direction(_)), FromRobot(Direction(_))) => true,
+        _ => false,
     };
     let repeats = |part: &Condition| parts.iter().filter(|other| *other == part).count() > 1;
     parts.windows(2).all(is_one_kind) && !parts.iter().any(repeats)

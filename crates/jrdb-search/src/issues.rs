@@ -6,7 +6,7 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Measure, Place, RelationKind, Viewpoint};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{
-    Attributes, Condition, EdgeRelation, Issue, Node, Pattern, Query, SpatialRelation, Task,
+    Attribute, Condition, EdgeRelation, Issue, Node, Pattern, Query, SpatialRelation, Task,
 };
 
 use crate::searcher::{Searcher, measured_pattern};
@@ -67,20 +67,8 @@ impl Missing<'_, '_, '_> {
     }
 
     fn condition(&mut self, condition: &Condition) {
-        let mut attribute = |what, known: fn(&Attributes) -> bool| {
-            self.need(what, |node| known(&node.attributes));
-        };
         match condition {
-            Condition::Age(_) => attribute("ages", |a| !a.age.is_unknown()),
-            Condition::Gender(_) => attribute("genders", |a| !a.gender.is_unknown()),
-            Condition::Race(_) => attribute("races", |a| !a.race.is_unknown()),
-            Condition::Action(_) => attribute("actions", |a| !a.action.is_unknown()),
-            Condition::UpperColor(_) => {
-                attribute("colours of clothes", |a| !a.upper_color.is_unknown());
-            }
-            Condition::LowerColor(_) => {
-                attribute("colours of clothes", |a| !a.lower_color.is_unknown());
-            }
+            Condition::Attribute(value) => self.attribute(value.attribute()),
             Condition::FromRobot(place) => self.place(place),
             Condition::GroupSize(_) => {
                 let index = self.searcher.index;
@@ -102,6 +90,11 @@ impl Missing<'_, '_, '_> {
                 parts.iter().for_each(|part| self.condition(part));
             }
         }
+    }
+
+    fn attribute(&mut self, attribute: Attribute) {
+        let is_known = |node: &Node| !node.attributes.belief(attribute).is_unknown();
+        self.need(attribute.row().plural, is_known);
     }
 
     fn place(&mut self, place: &Place) {
@@ -200,7 +193,7 @@ impl Missing<'_, '_, '_> {
     fn measure(&mut self, measure: &Measure) {
         match measure {
             Measure::Height => self.need("heights", |node| node.height_m.is_some()),
-            Measure::Age => self.need("ages", |node| !node.attributes.age.is_unknown()),
+            Measure::Age => self.attribute(Attribute::Age),
             Measure::Speed => self.need("velocities", |node| node.velocity_mps.is_some()),
             Measure::FromLeft => self.place(&Place::Degrees { center: 0.0, half_width: 0.0 }),
             Measure::DistanceTo(_) => {

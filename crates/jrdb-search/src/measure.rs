@@ -1,9 +1,9 @@
 //! Numbers that things are ordered and compared by.
 
 use jrdb_graph::BitSet;
-use jrdb_types::Node;
 use jrdb_types::answer::Unit;
 use jrdb_types::query::{Category, Compared, Measure, Order, Pick};
+use jrdb_types::{Attribute, Node};
 
 use crate::geometry::apart_m;
 use crate::searcher::Searcher;
@@ -27,7 +27,9 @@ impl Searcher<'_, '_> {
         };
         match measure {
             Measure::Height => of_nodes(|node| node.height_m),
-            Measure::Age => of_nodes(|node| Some(f64::from(node.attributes.age.best()? as u8))),
+            Measure::Age => {
+                of_nodes(|node| Some(node.attributes.belief(Attribute::Age).best()?.index() as f64))
+            }
             Measure::Speed => of_nodes(|node| node.velocity_mps.map(|[x, y]| x.hypot(y))),
             Measure::FromLeft => (0..self.index.size())
                 .map(|n| {

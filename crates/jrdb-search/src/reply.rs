@@ -3,7 +3,7 @@
 use jrdb_graph::BitSet;
 use jrdb_types::answer::{Reply, Told};
 use jrdb_types::query::{Order, Property};
-use jrdb_types::{Belief, EntityId, Node, Query, SpatialRelation, Task};
+use jrdb_types::{AttributeBelief, EntityId, Node, Query, SpatialRelation, Task};
 
 use crate::search::by_sets;
 use crate::searcher::Searcher;
@@ -47,10 +47,7 @@ pub(crate) fn property_of(
     let node = searcher.index.node(number)?;
     let (known, place) = (&node.attributes, searcher.seen_by_robot(node));
     let words = match property {
-        Property::Age => belief(&known.age),
-        Property::Gender => belief(&known.gender),
-        Property::Race => belief(&known.race),
-        Property::Action => belief(&known.action),
+        Property::Attribute(attribute) => belief(known.belief(attribute)),
         Property::Distance => place.and_then(|p| distance(&p)).into_iter().collect(),
         Property::Direction => place.and_then(|p| direction(&p)).into_iter().collect(),
         Property::SocialInteraction => deeds(searcher, number, true),
@@ -63,8 +60,8 @@ pub(crate) fn property_of(
 }
 
 /// The most probable value; what is at least half as probable follows with its probability.
-fn belief<T: Ord + Copy + std::fmt::Display>(belief: &Belief<T>) -> Vec<String> {
-    let mut values: Vec<(T, f64)> = belief.0.iter().map(|(&value, &p)| (value, p)).collect();
+fn belief(belief: AttributeBelief<'_>) -> Vec<String> {
+    let mut values = belief.entries().to_vec();
     values.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
     let likely = values.first().map_or(0.0, |(_, p)| p / 2.0);
     let values = values.into_iter().filter(|(_, p)| *p > 0.0 && *p >= likely);

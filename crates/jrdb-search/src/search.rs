@@ -71,10 +71,7 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
 /// use jrdb_graph::GraphIndex;
 /// use jrdb_search::{SearchConfig, select};
 /// use jrdb_types::{FrameId, LateralConvention, Query, SceneGraph};
-/// # let graph = SceneGraph {
-/// #     frame: FrameId::default(), lateral: LateralConvention::Physical,
-/// #     nodes: vec![], edges: vec![], between: vec![], issues: vec![],
-/// # };
+/// # let graph = SceneGraph::new(FrameId::default(), LateralConvention::Physical, vec![]);
 /// let index = GraphIndex::new(&graph);
 /// let found = select(&index, &Query::default(), &SearchConfig::default());
 /// assert_eq!(found.iter().filter_map(|number| index.id(number)).count(), 0);

@@ -63,7 +63,7 @@ fn smallest_changes(index: &GraphIndex<'_>, mut trial: Trial<'_, '_>) -> Vec<Cha
             propose(&trace.id, condition, check, &mut proposals);
         }
         trial.turn_to(index, &trace.id);
-        let mut turns: Vec<Turn<'_, '_>> = proposals
+        let mut turns: Vec<Turn<'_>> = proposals
             .iter()
             .filter_map(|proposal| trial.turn(&trace.id, trace.selected, proposal))
             .collect();
@@ -94,28 +94,18 @@ fn size(change: &Change) -> f64 {
 }
 
 /// A number that could change.
-struct Proposal<'q> {
-    number: Number<'q>,
+struct Proposal {
+    number: Number,
     asked: String,
     witness: Option<EntityId>,
     measured: Measured,
     holds: bool,
 }
 
-fn propose<'q>(
-    id: &EntityId,
-    condition: &'q Condition,
-    check: &Check,
-    found: &mut Vec<Proposal<'q>>,
-) {
+fn propose(id: &EntityId, condition: &Condition, check: &Check, found: &mut Vec<Proposal>) {
     match condition {
-        Condition::Age(_)
-        | Condition::Gender(_)
-        | Condition::Race(_)
-        | Condition::Action(_)
-        | Condition::UpperColor(_)
-        | Condition::LowerColor(_) => {
-            add(Number::Belief(id.clone(), condition), None, check, found);
+        Condition::Attribute(value) => {
+            add(Number::Belief(id.clone(), *value), None, check, found);
         }
         Condition::FromRobot(place) => {
             let number = if is_distance(place) { Number::Range } else { Number::Bearing };
@@ -155,11 +145,7 @@ fn propose<'q>(
     }
 }
 
-fn edge_number<'q>(
-    id: &EntityId,
-    witnesses: &[EntityId],
-    kind: &RelationKind,
-) -> Option<Number<'q>> {
+fn edge_number(id: &EntityId, witnesses: &[EntityId], kind: &RelationKind) -> Option<Number> {
     let (id, witness) = (id.clone(), witnesses.first()?.clone());
     let (place, viewpoint) = match kind {
         RelationKind::Placed { place, viewpoint } => (place, viewpoint),
@@ -177,12 +163,7 @@ fn edge_number<'q>(
 }
 
 /// Proposes a number, if the check has one; a height is none that is changed here.
-fn add<'q>(
-    number: Number<'q>,
-    witness: Option<&EntityId>,
-    check: &Check,
-    found: &mut Vec<Proposal<'q>>,
-) {
+fn add(number: Number, witness: Option<&EntityId>, check: &Check, found: &mut Vec<Proposal>) {
     let Some(measured) = check.measured else { return };
     if measured.unit == number.unit() {
         found.push(Proposal {
@@ -212,8 +193,8 @@ enum On {
 }
 
 /// Where an answer turns, perhaps, and where it was looked for.
-struct Turn<'p, 'q> {
-    proposal: &'p Proposal<'q>,
+struct Turn<'p> {
+    proposal: &'p Proposal,
     change: Change,
     deviation: Option<f64>,
     bound: f64,
@@ -244,8 +225,8 @@ impl<'g, 'q> Trial<'g, 'q> {
         &mut self,
         id: &EntityId,
         selected: bool,
-        proposal: &'p Proposal<'q>,
-    ) -> Option<Turn<'p, 'q>> {
+        proposal: &'p Proposal,
+    ) -> Option<Turn<'p>> {
         let range_m = self.scratch.range_m(&proposal.number);
         let deviation = self.deviation(&proposal.number, range_m);
         let now = proposal.measured.value;
@@ -260,7 +241,7 @@ impl<'g, 'q> Trial<'g, 'q> {
     }
 
     /// A change as the whole graph has it: there the others may change with it.
-    fn confirmed(&mut self, id: &EntityId, selected: bool, turn: Turn<'_, 'q>) -> Option<Change> {
+    fn confirmed(&mut self, id: &EntityId, selected: bool, turn: Turn<'_>) -> Option<Change> {
         let Turn { proposal, change, deviation, bound, far } = turn;
         if self.candidate.as_ref().is_none_or(Candidate::is_exact) {
             return Some(change);
@@ -278,7 +259,7 @@ impl<'g, 'q> Trial<'g, 'q> {
     }
 
     /// One standard deviation of a number.
-    fn deviation(&self, number: &Number<'_>, range_m: Option<f64>) -> Option<f64> {
+    fn deviation(&self, number: &Number, range_m: Option<f64>) -> Option<f64> {
         let lateral = self.scratch.graph().lateral;
         let heading = crate::place::Heading::OfPerson;
         let view = View { lateral, heading, config: self.config };
@@ -297,10 +278,10 @@ impl<'g, 'q> Trial<'g, 'q> {
     }
 
     /// Bounds that could be crossed, and how far beyond each at most.
-    fn ways(&self, proposal: &Proposal<'_>, deviation: Option<f64>) -> Vec<(f64, f64)> {
+    fn ways(&self, proposal: &Proposal, deviation: Option<f64>) -> Vec<(f64, f64)> {
         let Measured { value, bounds, .. } = proposal.measured;
-        if let Number::Belief(id, condition) = &proposal.number {
-            let [asked, rival] = self.scratch.rivals(id, condition);
+        if let Number::Belief(id, asked_value) = &proposal.number {
+            let [asked, rival] = self.scratch.rivals(id, *asked_value);
             let level = f64::midpoint(asked, rival);
             let both = [(level, 0.0), (level, asked + rival)];
             return both.into_iter().filter(|(_, far)| *far != value).collect();
@@ -321,7 +302,7 @@ impl<'g, 'q> Trial<'g, 'q> {
         &mut self,
         id: &EntityId,
         selected: bool,
-        proposal: &Proposal<'_>,
+        proposal: &Proposal,
         (bound, far): (f64, f64),
         on: On,
     ) -> Option<f64> {
@@ -344,7 +325,7 @@ impl<'g, 'q> Trial<'g, 'q> {
         turns(far + beyond).then_some(far)
     }
 
-    fn is_selected(&mut self, id: &EntityId, proposal: &Proposal<'_>, value: f64, on: On) -> bool {
+    fn is_selected(&mut self, id: &EntityId, proposal: &Proposal, value: f64, on: On) -> bool {
         let (number, from) = (&proposal.number, proposal.measured.value);
         let candidate = self.candidate.as_mut().filter(|_| on == On::Candidate);
         let alone = candidate.and_then(|c| c.is_selected(id, number, from, value));
@@ -360,7 +341,7 @@ impl<'g, 'q> Trial<'g, 'q> {
 fn told(
     id: &EntityId,
     selected: bool,
-    proposal: &Proposal<'_>,
+    proposal: &Proposal,
     deviation: Option<f64>,
     to: f64,
 ) -> Change {

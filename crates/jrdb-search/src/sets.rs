@@ -109,12 +109,7 @@ impl<'i> Searcher<'i, '_> {
                 all
             }
             // The columns have them.
-            Condition::Age(_)
-            | Condition::Gender(_)
-            | Condition::Race(_)
-            | Condition::Action(_)
-            | Condition::UpperColor(_)
-            | Condition::LowerColor(_) => BitSet::new(within.size()),
+            Condition::Attribute(_) => BitSet::new(within.size()),
         }
     }
 
@@ -153,12 +148,7 @@ impl<'i> Searcher<'i, '_> {
                 parts.iter().for_each(|part| any.unite(&self.no(part, within)));
                 any
             }
-            Condition::Age(_)
-            | Condition::Gender(_)
-            | Condition::Race(_)
-            | Condition::Action(_)
-            | Condition::UpperColor(_)
-            | Condition::LowerColor(_) => BitSet::new(within.size()),
+            Condition::Attribute(_) => BitSet::new(within.size()),
         }
     }
 
@@ -182,12 +172,7 @@ impl<'i> Searcher<'i, '_> {
     fn column(&self, condition: &Condition) -> Option<(&'i BitSet, &'i BitSet)> {
         let columns = self.index.columns();
         match condition {
-            Condition::Age(value) => Some(columns.age(*value)),
-            Condition::Gender(value) => Some(columns.gender(*value)),
-            Condition::Race(value) => Some(columns.race(*value)),
-            Condition::Action(value) => Some(columns.action(*value)),
-            Condition::UpperColor(value) => Some(columns.upper_color(*value)),
-            Condition::LowerColor(value) => Some(columns.lower_color(*value)),
+            Condition::Attribute(value) => Some(columns.attribute(*value)),
             Condition::FromRobot(Place::Distance(value)) => Some(columns.distance(*value)),
             Condition::FromRobot(Place::Direction(value)) => Some(columns.direction(*value)),
             _ => None,

@@ -114,14 +114,13 @@ impl Searcher<'_, '_> {
                 found.dedup();
                 Check { found: (!found.is_empty()).then(|| found.join("; ")), parts, ..base }
             }
-            (condition, _) => {
+            (Condition::Attribute(asked), _) => {
                 let known = self.index.node(number).map(|node| &node.attributes);
-                let neighbor = self.config.age_neighbor_probability;
-                let told = attribute::told(condition, known, neighbor);
-                let told = told.map(|told| (told.found, told.measured, told.value));
-                let (found, measured, _) = told.unwrap_or((None, None, value));
+                let found = known.and_then(|k| wording::belief(k.belief(asked.attribute())));
+                let measured = known.and_then(|known| attribute::balance(known, *asked));
                 Check { found, measured, ..base }
             }
+            _ => base,
         }
     }
 

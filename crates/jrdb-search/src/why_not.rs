@@ -39,10 +39,7 @@ pub struct Reason<'a> {
 /// ```
 /// use jrdb_search::{SearchConfig, WhyNot, search, why_not};
 /// use jrdb_types::{EntityId, FrameId, LateralConvention, Query, SceneGraph};
-/// # let graph = SceneGraph {
-/// #     frame: FrameId::default(), lateral: LateralConvention::Physical,
-/// #     nodes: vec![], edges: vec![], between: vec![], issues: vec![],
-/// # };
+/// # let graph = SceneGraph::new(FrameId::default(), LateralConvention::Physical, vec![]);
 /// let answer = search(&graph, &Query::default(), &SearchConfig::default());
 /// let reason = why_not(&answer, &EntityId::new("pedestrian", 7));
 /// assert_eq!(reason, WhyNot::NoSuchThing);

@@ -4,17 +4,15 @@ use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
-use jrdb_types::{Age, Belief, Condition, Direction, Pattern, Quantity, Related};
+use jrdb_types::{
+    Age, AttributeBelief, AttributeValue, AttributeWording, Condition, Direction, Pattern,
+    Quantity, Related,
+};
 
 /// What a condition asks for.
 pub(crate) fn asked(condition: &Condition) -> String {
     match condition {
-        Condition::Age(value) => format!("age {value}"),
-        Condition::Gender(value) => format!("gender {value}"),
-        Condition::Race(value) => format!("race {value}"),
-        Condition::Action(value) => format!("action {value}"),
-        Condition::UpperColor(value) => format!("{value} above the waist"),
-        Condition::LowerColor(value) => format!("{value} below the waist"),
+        Condition::Attribute(value) => attribute_value(*value),
         Condition::FromRobot(place) => from_robot(place),
         Condition::GroupSize(quantity) => group(*quantity),
         Condition::Related(related) => relation(related),
@@ -42,12 +40,17 @@ fn alternatives(parts: &[Condition]) -> Option<String> {
 
 /// Which attribute a condition is about.
 fn attribute(condition: &Condition) -> Option<&'static str> {
-    match condition {
-        Condition::Age(_) => Some("age"),
-        Condition::Gender(_) => Some("gender"),
-        Condition::Race(_) => Some("race"),
-        Condition::Action(_) => Some("action"),
-        _ => None,
+    let Condition::Attribute(value) = condition else { return None };
+    let row = value.attribute().row();
+    (row.wording == AttributeWording::Adjective).then_some(row.name)
+}
+
+/// `age young`, `red above the waist`.
+fn attribute_value(value: AttributeValue) -> String {
+    let row = value.attribute().row();
+    match row.wording {
+        AttributeWording::Adjective => format!("{} {value}", row.name),
+        AttributeWording::Followed(place) => format!("{value} {place}"),
     }
 }
 
@@ -259,9 +262,9 @@ pub(crate) fn pattern(pattern: &Pattern) -> String {
 pub(crate) fn description(pattern: &Pattern) -> String {
     let (words, clauses): (Vec<_>, Vec<_>) =
         pattern.conditions.iter().partition(|c| adjective(c).is_some());
-    let is_child =
-        words.contains(&&Condition::Age(Age::Child)) && pattern.category == Category::Person;
-    let words = words.into_iter().filter(|word| !is_child || **word != Condition::Age(Age::Child));
+    let child = Condition::has(Age::Child);
+    let is_child = words.contains(&&child) && pattern.category == Category::Person;
+    let words = words.into_iter().filter(|word| !is_child || **word != child);
     let words: Vec<String> = words.filter_map(adjective).collect();
     let adjectives = if words.is_empty() { String::new() } else { format!("{} ", words.join(" ")) };
     let clauses: String =
@@ -282,10 +285,10 @@ pub(crate) fn noun(category: &Category) -> &str {
 
 fn adjective(condition: &Condition) -> Option<String> {
     match condition {
-        Condition::Age(value) => Some(value.to_string()),
-        Condition::Gender(value) => Some(value.to_string()),
-        Condition::Race(value) => Some(value.to_string()),
-        Condition::Action(value) => Some(value.to_string()),
+        Condition::Attribute(value) => {
+            let is_adjective = value.attribute().row().wording == AttributeWording::Adjective;
+            is_adjective.then(|| value.to_string())
+        }
         Condition::Any(parts) => {
             let words: Option<Vec<String>> = parts.iter().map(adjective).collect();
             words.filter(|words| !words.is_empty()).map(|words| words.join("/"))
@@ -295,7 +298,7 @@ fn adjective(condition: &Condition) -> Option<String> {
 }
 
 /// The most probable value, with its probability when it is not certain.
-pub(crate) fn belief<T: Ord + Copy + std::fmt::Display>(belief: &Belief<T>) -> Option<String> {
+pub(crate) fn belief(belief: AttributeBelief<'_>) -> Option<String> {
     let best = belief.best()?;
     match belief.probability(best) {
         1.0 => Some(best.to_string()),

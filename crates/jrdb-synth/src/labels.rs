@@ -8,7 +8,7 @@ use jrdb_projection::nalgebra::{Point3, Vector3};
 use jrdb_types::detection::{Interaction, PERSON};
 use jrdb_types::vocab::Occlusion;
 use jrdb_types::{
-    Attributes, Belief, Box3d, Detection, Detections, EntityId, FrameId, LensModel, PointCloud,
+    Attributes, Box3d, Detection, Detections, EntityId, FrameId, LensModel, PointCloud,
 };
 
 use super::paint::{Drawn, Subject};
@@ -70,13 +70,12 @@ fn detection(subject: &Subject<'_>, drawn: &Drawn) -> Detection {
 }
 
 pub(super) fn attributes(person: &Person) -> Attributes {
-    Attributes {
-        age: Belief::certain(person.age),
-        gender: Belief::certain(person.gender),
-        race: Belief::certain(person.race),
-        action: Belief::certain(person.action),
-        ..Attributes::default()
-    }
+    Attributes::certain([
+        person.age.into(),
+        person.gender.into(),
+        person.race.into(),
+        person.action.into(),
+    ])
 }
 
 fn interactions(person: &Person) -> Vec<Interaction> {

@@ -22,7 +22,7 @@ mod tests;
 use std::path::Path;
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
-use jrdb_types::{Attributes, Belief, FrameId, Image, PointCloud, Question, Questions};
+use jrdb_types::{Belief, FrameId, Image, PointCloud, Question, Questions};
 use serde::{Deserialize, Serialize};
 
 use cast::Cast;
@@ -175,8 +175,8 @@ impl World {
         let seen = |(instance, subject): (u8, &Subject<'_>)| {
             let Subject::Person(person, pose) = subject else { return None };
             let drawn = picture.drawn.iter().find(|drawn| drawn.id == subject.id())?;
-            let facing = Belief::certain(paint::facing_of(pose));
-            let attributes = Attributes { facing, ..labels::attributes(person) };
+            let mut attributes = labels::attributes(person);
+            attributes.facing = Belief::certain(paint::facing_of(pose));
             Some(Seen { instance, pixels: drawn.pixels, bbox: drawn.bbox, attributes })
         };
         let people = (1..).zip(&subjects).filter_map(seen).collect();

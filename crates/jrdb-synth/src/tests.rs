@@ -182,7 +182,7 @@ fn the_bundled_scenes_cover_what_a_newcomer_should_see() {
         for frame in frames(&config) {
             let people = people(&frame);
             let does = |action| {
-                people.iter().any(|person| person.attributes.action.best() == Some(action))
+                people.iter().any(|person| person.attributes.action().best() == Some(action))
             };
             assert!(does(Action::Sitting) && does(Action::Walking), "{folder:?}");
             let period = frame.image.width as f64;
@@ -241,7 +241,7 @@ fn walkers_move_between_frames_and_others_stay() {
     for (before, after) in people(&frames[0]).into_iter().zip(people(&frames[1])) {
         let [from, to] = [before, after].map(|person| person.box3d.unwrap().center);
         let moved_m = (from[0] - to[0]).hypot(from[1] - to[1]);
-        let wanted = match before.attributes.action.best() {
+        let wanted = match before.attributes.action().best() {
             Some(Action::Walking) => 1.0 / 3.0..1.4 / 3.0 + 1e-9,
             _ => 0.0..1e-9,
         };

@@ -38,10 +38,10 @@ impl<'a> Seen<'a> {
         let robot = node.from_robot?;
         Some(Self {
             node,
-            age: attributes.age.best()?,
-            gender: attributes.gender.best()?,
-            race: attributes.race.best()?,
-            action: attributes.action.best()?,
+            age: attributes.age().best()?,
+            gender: attributes.gender().best()?,
+            race: attributes.race().best()?,
+            action: attributes.action().best()?,
             distance: robot.distance?,
             sector: robot.direction?.sector,
         })

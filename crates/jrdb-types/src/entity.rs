@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
-use crate::detection::{Attributes, Interaction};
+use crate::attribute::Attributes;
+use crate::detection::Interaction;
 use crate::geometry::{Box3d, PixelBox};
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
@@ -238,6 +239,15 @@ pub struct Entities {
     /// What could not be placed, and why.
     #[serde(default)]
     pub issues: Vec<Issue>,
+}
+
+impl Entities {
+    /// A frame in which nothing was placed.
+    #[must_use]
+    pub fn new(frame: FrameId, lateral: LateralConvention) -> Self {
+        let (entities, relations) = (Vec::new(), Vec::new());
+        Self { frame, lateral, entities, relations, between: Vec::new(), issues: Vec::new() }
+    }
 }
 
 impl Payload for Entities {

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
-use crate::detection::Attributes;
+use crate::attribute::Attributes;
 use crate::entity::{Between, SpatialRelation};
 use crate::geometry::PixelBox;
 use crate::id::{EntityId, FrameId};
@@ -45,6 +45,32 @@ pub struct Node {
     /// Where it is, seen from the robot.
     #[serde(default)]
     pub from_robot: Option<SpatialRelation>,
+}
+
+impl Node {
+    /// A node of which nothing but the box in the image is known.
+    ///
+    /// ```
+    /// use jrdb_types::{EntityId, Node, PixelBox};
+    /// let node = Node::new(EntityId::new("table", 1), "table", PixelBox::from([0.0, 0.0, 9.0, 9.0]));
+    /// assert_eq!((node.score, node.center), (1.0, None));
+    /// ```
+    #[must_use]
+    pub fn new(id: EntityId, category: impl Into<String>, bbox: PixelBox) -> Self {
+        Self {
+            id,
+            category: category.into(),
+            score: 1.0,
+            bbox,
+            attributes: Attributes::default(),
+            center: None,
+            heading_rad: None,
+            height_m: None,
+            velocity_mps: None,
+            group: None,
+            from_robot: None,
+        }
+    }
 }
 
 /// What an edge says of its two ends.
@@ -100,6 +126,15 @@ pub struct SceneGraph {
     /// What could not be built.
     #[serde(default)]
     pub issues: Vec<Issue>,
+}
+
+impl SceneGraph {
+    /// A graph of these nodes, sorted by id, without edges.
+    #[must_use]
+    pub fn new(frame: FrameId, lateral: LateralConvention, mut nodes: Vec<Node>) -> Self {
+        nodes.sort_by(|a, b| a.id.cmp(&b.id));
+        Self { frame, lateral, nodes, edges: Vec::new(), between: Vec::new(), issues: Vec::new() }
+    }
 }
 
 impl Payload for SceneGraph {

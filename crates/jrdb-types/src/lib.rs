@@ -2,6 +2,7 @@
 
 pub mod answer;
 pub mod artefact;
+pub mod attribute;
 mod causes;
 pub mod detection;
 pub mod entity;
@@ -22,8 +23,12 @@ pub mod vocab;
 
 pub use answer::Answer;
 pub use artefact::{Artefact, ArtefactError, Payload};
+pub use attribute::{
+    Attribute, AttributeBelief, AttributeNotation, AttributeRow, AttributeSource, AttributeValue,
+    AttributeWording, Attributes, Belief,
+};
 pub use causes::with_causes;
-pub use detection::{Attributes, Belief, Detection, Detections};
+pub use detection::{Detection, Detections};
 pub use entity::{Entities, Entity, Heading, Localizer, PairRelation, Position, SpatialRelation};
 pub use geometry::{Box3d, FloorPlane, ImageGeometry, PixelBox};
 pub use graph::{Edge, EdgeRelation, Node, SceneGraph};

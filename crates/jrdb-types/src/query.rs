@@ -1,10 +1,13 @@
 //! What the parser hands on: a question as an algebra of conditions on things and on their relations.
 
+mod serial;
+
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
+use crate::attribute::{Attribute, AttributeValue};
 use crate::issue::Issue;
-use crate::vocab::{Action, Age, Color, Direction, DistanceWord, Gender, PairWord, Race};
+use crate::vocab::{Direction, DistanceWord, PairWord};
 
 /// What is asked of the things that match.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -84,19 +87,11 @@ fn is_some_quantity(quantity: &Quantity) -> bool {
     *quantity == Quantity::SOME
 }
 
-/// Something that can be told of a thing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+/// Something that can be told of a thing. As JSON its name: `"age"`, `"people_around"`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
+#[cfg_attr(feature = "schema", schemars(rename_all = "snake_case"))]
 pub enum Property {
-    /// Age group.
-    Age,
-    /// Gender.
-    Gender,
-    /// The benchmark's race words.
-    Race,
-    /// What the body does.
-    Action,
     /// How far from the robot, in words and metres.
     Distance,
     /// In which direction, seen from the robot.
@@ -111,6 +106,9 @@ pub enum Property {
     ObjectsAround,
     /// What kind of thing it is.
     Category,
+    /// The value of an attribute.
+    #[cfg_attr(feature = "schema", schemars(untagged))]
+    Attribute(Attribute),
 }
 
 /// What kind of thing is meant.
@@ -278,22 +276,10 @@ pub struct Compared {
 }
 
 /// One thing asked of a candidate.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "snake_case")]
 pub enum Condition {
-    /// Age group.
-    Age(Age),
-    /// Gender.
-    Gender(Gender),
-    /// The benchmark's race words.
-    Race(Race),
-    /// What the body does.
-    Action(Action),
-    /// Colour of what it wears above the waist.
-    UpperColor(Color),
-    /// Colour of what it wears below the waist.
-    LowerColor(Color),
     /// Where it is, seen from the robot.
     FromRobot(Place),
     /// How many people its group has, itself included; 1 is alone.
@@ -310,9 +296,26 @@ pub enum Condition {
     Any(Vec<Condition>),
     /// All hold.
     All(Vec<Condition>),
+    /// It has a value of an attribute. As JSON `{"age": "young"}`.
+    #[serde(untagged)]
+    Attribute(AttributeValue),
 }
 
 impl Condition {
+    /// That it has a value of an attribute.
+    ///
+    /// ```
+    /// use jrdb_types::{AttributeValue, Condition, Gender, vocab::Color};
+    /// let female = Condition::has(Gender::Female);
+    /// assert_eq!(serde_json::to_string(&female).unwrap(), r#"{"gender":"female"}"#);
+    /// let red = Condition::has(AttributeValue::upper_color(Color::Red));
+    /// assert_eq!(serde_json::to_string(&red).unwrap(), r#"{"upper_color":"red"}"#);
+    /// ```
+    #[must_use]
+    pub fn has(value: impl Into<AttributeValue>) -> Self {
+        Self::Attribute(value.into())
+    }
+
     /// Whether it looks at other things than the candidate: the paper checks these in its second phase.
     #[inline]
     #[must_use]

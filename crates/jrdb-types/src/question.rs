@@ -39,6 +39,15 @@ pub struct Question {
     pub truth: Option<Truth>,
 }
 
+impl Question {
+    /// A question that somebody typed: without a category and without a known answer.
+    #[must_use]
+    pub fn typed(text: impl Into<String>, frame: FrameId) -> Self {
+        let (category, slots) = (String::new(), Vec::new());
+        Self { text: text.into(), category, frame, slots, truth: None }
+    }
+}
+
 /// A list of questions, in the order of their file.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]

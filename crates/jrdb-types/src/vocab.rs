@@ -19,6 +19,9 @@ macro_rules! vocabulary {
             /// Every word, in order.
             pub const ALL: &[Self] = &[$(Self::$variant),+];
 
+            /// The spelling of every word, in order.
+            pub const WORDS: &[&'static str] = &[$($word),+];
+
             /// The word as the benchmark spells it.
             #[must_use]
             pub const fn word(self) -> &'static str {

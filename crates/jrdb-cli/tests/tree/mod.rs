@@ -29,7 +29,7 @@ fn person(number: u32, [x, y]: [f64; 2], gender: Gender, bbox: [f64; 4]) -> Dete
         category: "person".into(),
         score: 1.0,
         bbox: PixelBox::from(bbox),
-        attributes: Attributes { gender: Belief::certain(gender), ..Attributes::default() },
+        attributes: Attributes::certain([gender.into()]),
         interactions: Vec::new(),
         group: None,
         occlusion: None,

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use jrdb_types::detection::Interaction;
 use jrdb_types::{
-    Attributes, Belief, Box3d, Detection, Detections, EntityId, FrameId, ImageGeometry, Issue,
-    IssueKind, PixelBox,
+    Action, Age, AttributeValue, Attributes, Box3d, Detection, Detections, EntityId, FrameId,
+    Gender, ImageGeometry, Issue, IssueKind, PixelBox, Race,
 };
 
 use super::raw::{BoxLabel, Keys, Label, Loose, SocialLabel, SpaceBox, SpaceLabel, Trouble};
@@ -147,20 +147,20 @@ fn occlusion<'a>(parts: &Parts<'a>) -> Option<&'a str> {
 
 fn attributes(label: &SocialLabel) -> Attributes {
     let demographics = label.demographics().cloned().unwrap_or_default();
-    Attributes {
-        age: first(&demographics.age),
-        gender: first(&demographics.gender),
-        race: first(&demographics.race),
-        action: Belief::from_label(
-            label.action_label.keys().iter().find_map(|word| JrdbWord::from_jrdb_word(word)),
-        ),
-        ..Attributes::default() // facing, clothes: the labels do not say
-    }
+    let action: Option<Action> =
+        label.action_label.keys().iter().find_map(|word| JrdbWord::from_jrdb_word(word));
+    let values = [
+        first::<Age>(&demographics.age),
+        first::<Gender>(&demographics.gender),
+        first::<Race>(&demographics.race),
+        action.map(Into::into),
+    ];
+    Attributes::certain(values.into_iter().flatten())
 }
 
 /// The first key, as the benchmark reads demographics.
-fn first<T: JrdbWord + Ord>(section: &Loose<Keys>) -> Belief<T> {
-    Belief::from_label(section.keys().first().and_then(|word| T::from_jrdb_word(word)))
+fn first<T: JrdbWord + Into<AttributeValue>>(section: &Loose<Keys>) -> Option<AttributeValue> {
+    section.keys().first().and_then(|word| T::from_jrdb_word(word)).map(Into::into)
 }
 
 /// The same direction in (-π, π].

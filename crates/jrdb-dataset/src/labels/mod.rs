@@ -125,10 +125,10 @@ mod tests {
         assert_eq!(person.box3d.unwrap().center, [1.0, 2.5, -0.1]);
         assert_eq!(person.box3d.unwrap().size, [0.9, 0.5, 1.8]);
         assert_eq!(person.occlusion, Some(jrdb_types::vocab::Occlusion::MostlyVisible));
-        assert_eq!(person.attributes.gender, Belief::certain(Gender::Female));
-        assert_eq!(person.attributes.race, Belief::certain(Race::Asian));
-        assert_eq!(person.attributes.action, Belief::certain(Action::Sitting));
-        assert!(person.attributes.age.is_unknown());
+        assert_eq!(person.attributes.gender(), Belief::certain(Gender::Female));
+        assert_eq!(person.attributes.race(), Belief::certain(Race::Asian));
+        assert_eq!(person.attributes.action(), Belief::certain(Action::Sitting));
+        assert!(person.attributes.age().is_unknown());
         let labels: Vec<&str> = person.interactions.iter().map(|i| i.label.as_str()).collect();
         assert_eq!(labels, ["conversation", "sitting together"]);
         assert_eq!(person.interactions[0].partner, EntityId::new("pedestrian", 7));
@@ -138,7 +138,7 @@ mod tests {
     fn the_first_pose_in_the_file_s_own_order_is_the_action() {
         let social = SOCIAL_LABEL.replace("talking to someone", "going upstairs");
         let found = detections("", "", &social);
-        assert_eq!(found.detections[0].attributes.action, Belief::certain(Action::GoingUp));
+        assert_eq!(found.detections[0].attributes.action(), Belief::certain(Action::GoingUp));
         assert_eq!(found.detections[0].bbox.x, 11.0, "the social file's box stands in");
         assert_eq!(found.detections[0].heading_rad, None);
     }
@@ -214,7 +214,7 @@ mod tests {
         let social = r#"{"label_id": "pedestrian:1", "box": [1, 2, 3, 4], "attributes": "none",
             "action_label": [], "demographics_info": [], "H-interaction": {}}"#;
         let found = detections("", "", social);
-        assert!(found.detections[0].attributes.action.is_unknown());
+        assert!(found.detections[0].attributes.action().is_unknown());
         assert_eq!(messages(&found), [""; 0]);
     }
 

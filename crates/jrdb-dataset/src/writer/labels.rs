@@ -238,14 +238,14 @@ impl<'a> People<'a> {
 
     fn social_label(&self, person: &Detection, file: &str) -> SocialLabel {
         let beliefs = &person.attributes;
-        let action = beliefs.action.best().map(|action| (action.jrdb_word(), EASY));
+        let action = beliefs.action().best().map(|action| (action.jrdb_word(), EASY));
         SocialLabel {
             interactions: self.interaction_labels(&person.id),
             action_label: action.into_iter().collect(),
             demographics_info: [Demographics {
-                age: section(&beliefs.age),
-                gender: section(&beliefs.gender),
-                race: section(&beliefs.race),
+                age: section(&beliefs.age()),
+                gender: section(&beliefs.gender()),
+                race: section(&beliefs.race()),
             }],
             group_info: [],
             social_activity: action.into_iter().collect(),

@@ -1,8 +1,8 @@
 //! Who has which value: one set per word.
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::vocab::{Color, Elevation, Sector};
-use jrdb_types::{Action, Age, Direction, DistanceWord, Gender, Node, Race};
+use jrdb_types::vocab::{Elevation, Sector};
+use jrdb_types::{Attribute, AttributeBelief, AttributeValue, Direction, DistanceWord, Node};
 
 use crate::BitSet;
 
@@ -16,7 +16,7 @@ pub(super) fn direction_code(direction: Direction) -> usize {
 
 /// The sets of one attribute.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Column {
+struct Column {
     values: Vec<BitSet>,
     known: BitSet,
 }
@@ -32,23 +32,15 @@ impl Column {
             self.known.insert(number);
         }
     }
-
-    /// Those of whom it is known.
-    #[must_use]
-    pub fn known(&self) -> &BitSet {
-        &self.known
-    }
 }
 
 /// Sets of node numbers by what nodes are: the best value of each belief, the words of where the robot sees them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    age: Column,
-    gender: Column,
-    race: Column,
-    action: Column,
-    upper_color: Column,
-    lower_color: Column,
+    /// Who has each value, by its place among all values.
+    values: Vec<BitSet>,
+    /// Of whom each attribute is known.
+    known: Vec<BitSet>,
     distance: Column,
     direction: Column,
     people: BitSet,
@@ -56,16 +48,11 @@ pub struct Columns {
 
 impl Columns {
     pub(super) fn new<'a>(nodes: impl Iterator<Item = &'a Node>, size: usize) -> Self {
-        let column = |values| Column::new(values, size);
         let mut columns = Self {
-            age: column(Age::ALL.len()),
-            gender: column(Gender::ALL.len()),
-            race: column(Race::ALL.len()),
-            action: column(Action::ALL.len()),
-            upper_color: column(Color::ALL.len()),
-            lower_color: column(Color::ALL.len()),
-            distance: column(DistanceWord::ALL.len()),
-            direction: column(DIRECTIONS),
+            values: vec![BitSet::new(size); AttributeValue::COUNT],
+            known: vec![BitSet::new(size); Attribute::ALL.len()],
+            distance: Column::new(DistanceWord::ALL.len(), size),
+            direction: Column::new(DIRECTIONS, size),
             people: BitSet::new(size),
         };
         nodes.enumerate().for_each(|(number, node)| columns.put(number, node));
@@ -73,13 +60,10 @@ impl Columns {
     }
 
     fn put(&mut self, number: usize, node: &Node) {
-        let believed = &node.attributes;
-        self.age.put(number, believed.age.best().map(|v| v as usize));
-        self.gender.put(number, believed.gender.best().map(|v| v as usize));
-        self.race.put(number, believed.race.best().map(|v| v as usize));
-        self.action.put(number, believed.action.best().map(|v| v as usize));
-        self.upper_color.put(number, believed.upper_color.best().map(|v| v as usize));
-        self.lower_color.put(number, believed.lower_color.best().map(|v| v as usize));
+        for value in node.attributes.beliefs().filter_map(AttributeBelief::best) {
+            self.values[value.place()].insert(number);
+            self.known[value.attribute() as usize].insert(number);
+        }
         let place = node.from_robot.unwrap_or_default();
         self.distance.put(number, place.distance.map(|v| v as usize));
         self.direction.put(number, place.direction.map(direction_code));
@@ -99,46 +83,11 @@ impl Columns {
         &self.people
     }
 
-    /// Those of this age group, and of known age.
+    /// Those of whom a value of an attribute is the most probable, and those of whom the attribute is known.
     #[must_use]
     #[inline]
-    pub fn age(&self, value: Age) -> (&BitSet, &BitSet) {
-        (&self.age.values[value as usize], &self.age.known)
-    }
-
-    /// Those of this gender, and of known gender.
-    #[must_use]
-    #[inline]
-    pub fn gender(&self, value: Gender) -> (&BitSet, &BitSet) {
-        (&self.gender.values[value as usize], &self.gender.known)
-    }
-
-    /// Those with this race word, and with any.
-    #[must_use]
-    #[inline]
-    pub fn race(&self, value: Race) -> (&BitSet, &BitSet) {
-        (&self.race.values[value as usize], &self.race.known)
-    }
-
-    /// Those who do this, and those of whom it is known what they do.
-    #[must_use]
-    #[inline]
-    pub fn action(&self, value: Action) -> (&BitSet, &BitSet) {
-        (&self.action.values[value as usize], &self.action.known)
-    }
-
-    /// Those who wear this colour above the waist, and those of whom a colour is known there.
-    #[must_use]
-    #[inline]
-    pub fn upper_color(&self, value: Color) -> (&BitSet, &BitSet) {
-        (&self.upper_color.values[value as usize], &self.upper_color.known)
-    }
-
-    /// Those who wear this colour below the waist, and those of whom a colour is known there.
-    #[must_use]
-    #[inline]
-    pub fn lower_color(&self, value: Color) -> (&BitSet, &BitSet) {
-        (&self.lower_color.values[value as usize], &self.lower_color.known)
+    pub fn attribute(&self, value: AttributeValue) -> (&BitSet, &BitSet) {
+        (&self.values[value.place()], &self.known[value.attribute() as usize])
     }
 
     /// Those so far from the robot, and those at a known distance.

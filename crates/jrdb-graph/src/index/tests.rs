@@ -1,7 +1,7 @@
 //! The index of small graphs.
 
 use jrdb_types::vocab::Sector;
-use jrdb_types::{Attributes, Belief, Edge, FrameId, Gender, LateralConvention, PixelBox};
+use jrdb_types::{Attributes, Edge, FrameId, Gender, LateralConvention, PixelBox};
 
 use super::*;
 
@@ -15,7 +15,7 @@ fn node(id: EntityId, gender: Option<Gender>) -> Node {
         category: "person".into(),
         score: 1.0,
         bbox: PixelBox::from([0.0, 0.0, 1.0, 1.0]),
-        attributes: Attributes { gender: Belief::from_label(gender), ..Attributes::default() },
+        attributes: Attributes::certain(gender.map(Into::into)),
         center: None,
         heading_rad: None,
         height_m: None,
@@ -88,9 +88,9 @@ fn runs_are_by_direction_and_distance() {
 fn sets_hold_those_with_the_value_and_those_with_any() {
     let scene = scene();
     let index = GraphIndex::new(&scene);
-    let (male, known) = index.columns().gender(Gender::Male);
+    let (male, known) = index.columns().attribute(Gender::Male.into());
     assert_eq!((male, known.count()), (known, 1));
-    assert!(index.columns().gender(Gender::Female).0.is_empty());
+    assert!(index.columns().attribute(Gender::Female.into()).0.is_empty());
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
-use jrdb_types::{Condition, Pattern};
+use jrdb_types::{AttributeValue, Condition, Pattern};
 
 use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Garment, Role, Roles};
@@ -190,7 +190,8 @@ impl Parser<'_> {
 
 /// Conditions, one of which must hold.
 fn worn(garment: Garment, color: Color) -> Vec<Condition> {
-    let (upper, lower) = (Condition::UpperColor(color), Condition::LowerColor(color));
+    let [upper, lower] = [AttributeValue::upper_color(color), AttributeValue::lower_color(color)]
+        .map(Condition::has);
     match garment {
         Garment::Upper => vec![upper],
         Garment::Lower => vec![lower],

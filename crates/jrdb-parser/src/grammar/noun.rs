@@ -1,7 +1,7 @@
 //! Noun groups: "the two oldest women", "a young, White and male person".
 
 use jrdb_types::query::{Category, Place, Quantity};
-use jrdb_types::{Condition, Direction, Pattern};
+use jrdb_types::{Attribute, Condition, Direction, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
@@ -208,7 +208,8 @@ impl Parser<'_> {
     /// "child" of "child, White and male person".
     fn is_noun_as_adjective(&self) -> bool {
         let entry = self.entry();
-        let is_age = |c: &Condition| matches!(c, Condition::Age(_));
+        let is_age =
+            |c: &Condition| matches!(c, Condition::Attribute(v) if v.attribute() == Attribute::Age);
         if entry.implies.is_empty() || entry.roles.has(Role::Plural) {
             return false;
         }

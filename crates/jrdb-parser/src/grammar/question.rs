@@ -2,7 +2,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
-use jrdb_types::{Condition, Pattern, Query};
+use jrdb_types::{Attribute, Condition, Pattern, Query};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
@@ -10,8 +10,12 @@ use crate::pattern::{all_of, split_from};
 use crate::phrase::{NounGroup, Target};
 
 /// What "describe" asks for.
-const DESCRIPTION: [Property; 4] =
-    [Property::Age, Property::Gender, Property::Race, Property::Action];
+const DESCRIPTION: [Property; 4] = [
+    Property::Attribute(Attribute::Age),
+    Property::Attribute(Attribute::Gender),
+    Property::Attribute(Attribute::Race),
+    Property::Attribute(Attribute::Action),
+];
 
 /// Words without meaning before a question.
 const LEAD: Roles = Roles::of(&[Role::Filler, Role::Comma, Role::And, Role::Slash]);

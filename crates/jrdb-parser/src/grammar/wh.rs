@@ -1,8 +1,8 @@
 //! Questions that begin with a question word: "how far", "which", "what is the man doing", "who".
 
-use jrdb_types::Pattern;
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Property, Quantity, RelationKind, Task};
+use jrdb_types::{Attribute, Pattern};
 
 use crate::grammar::question::COPULA;
 use crate::lexicon::{Role, Roles};
@@ -125,10 +125,10 @@ impl Parser<'_> {
             pattern.conditions.push(related(kinds, object, Quantity::SOME));
         }
         let property = match pattern.category {
-            _ if self.state.asks_doing => Property::Action,
+            _ if self.state.asks_doing => Property::Attribute(Attribute::Action),
             _ if is_activity => Property::ObjectInteraction,
             Category::Person if is_stranded => Property::ObjectsAround,
-            Category::Person => Property::Action,
+            Category::Person => Property::Attribute(Attribute::Action),
             _ => Property::Category,
         };
         (Task::Which { properties: vec![property], in_order: false }, pattern)

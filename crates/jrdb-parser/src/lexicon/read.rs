@@ -2,7 +2,7 @@
 
 use jrdb_types::query::{Measure, Order, Task};
 use jrdb_types::vocab::{Color, Elevation, Sector};
-use jrdb_types::{Condition, DistanceWord, Pattern, Query};
+use jrdb_types::{Attribute, Condition, DistanceWord, Pattern, Query};
 
 use super::entry::{Entry, Garment, Limit, Measured};
 use super::piece::{self, Piece, special};
@@ -105,7 +105,7 @@ fn put<T>(field: &mut Option<T>, value: Option<T>, role: Role) -> Option<Role> {
 
 fn is_action(condition: &Condition) -> bool {
     match condition {
-        Condition::Action(_) => true,
+        Condition::Attribute(value) => value.attribute() == Attribute::Action,
         Condition::Any(parts) => parts.iter().all(is_action),
         _ => false,
     }

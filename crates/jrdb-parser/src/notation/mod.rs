@@ -21,20 +21,10 @@ pub use write::write;
 
 use jrdb_types::query::Property;
 
-/// Keywords of the properties that a question can ask for.
-const PROPERTIES: [(Property, &str); 11] = [
-    (Property::Age, "age"),
-    (Property::Gender, "gender"),
-    (Property::Race, "race"),
-    (Property::Action, "action"),
-    (Property::Distance, "distance"),
-    (Property::Direction, "direction"),
-    (Property::SocialInteraction, "social-interaction"),
-    (Property::PeopleAround, "people-around"),
-    (Property::ObjectInteraction, "object-interaction"),
-    (Property::ObjectsAround, "objects-around"),
-    (Property::Category, "category"),
-];
+/// Keyword of a property that can be asked.
+fn keyword(property: Property) -> String {
+    property.name().replace('_', "-")
+}
 
 /// Whether a text is notation and not English: only notation has these brackets.
 ///

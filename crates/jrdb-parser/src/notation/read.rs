@@ -4,12 +4,15 @@ use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
     RelationKind, Slot, Task, Viewpoint,
 };
-use jrdb_types::vocab::{Color, Elevation, PairWord, Sector};
-use jrdb_types::{Action, Age, Condition, Direction, DistanceWord, Gender, Pattern, Query, Race};
+use jrdb_types::vocab::{Elevation, PairWord, Sector};
+use jrdb_types::{
+    Attribute, AttributeNotation, AttributeValue, Condition, Direction, DistanceWord, Pattern,
+    Query,
+};
 
-use super::PROPERTIES;
 use super::cursor::{Read, Reader};
 use super::error::NotationError;
+use super::keyword;
 use super::token::Kind;
 
 /// Reads a query in the notation. Its `text` is the notation itself.
@@ -65,8 +68,8 @@ impl Reader<'_> {
     fn which(&mut self) -> Read<Task> {
         let mut properties = Vec::new();
         loop {
-            let named = |word: &str| PROPERTIES.iter().find(|(_, name)| *name == word);
-            let found = self.vocabulary(|word| named(word).map(|(property, _)| *property));
+            let named = |word: &str| Property::all().find(|property| keyword(*property) == word);
+            let found = self.vocabulary(named);
             properties.push(found.ok_or_else(|| self.wanted("a property"))?);
             if !self.takes(",") {
                 break;
@@ -77,7 +80,7 @@ impl Reader<'_> {
             self.expect("order")?;
         }
         self.expect("of")?;
-        Ok(Task::Which { properties: Vec::<Property>::from_iter(properties), in_order })
+        Ok(Task::Which { properties, in_order })
     }
 
     /// An optional quantity; the default is "some".
@@ -155,11 +158,8 @@ impl Reader<'_> {
         if let Some(order) = self.more_or_less() {
             return self.compared(order);
         }
-        if self.takes("upper") {
-            return self.color().map(Condition::UpperColor);
-        }
-        if self.takes("lower") {
-            return self.color().map(Condition::LowerColor);
+        if let Some(value) = self.attribute_with_key()? {
+            return Ok(Condition::Attribute(value));
         }
         if let Some(place) = self.sector_or_distance()? {
             return Ok(Condition::FromRobot(place));
@@ -204,9 +204,17 @@ impl Reader<'_> {
         })
     }
 
-    fn color(&mut self) -> Read<Color> {
-        self.expect("=")?;
-        self.vocabulary(Color::from_word).ok_or_else(|| self.wanted("a colour"))
+    /// `upper=red`.
+    fn attribute_with_key(&mut self) -> Read<Option<AttributeValue>> {
+        for attribute in Attribute::ALL {
+            let AttributeNotation::Key { key, value } = attribute.row().notation else { continue };
+            if self.takes(key) {
+                self.expect("=")?;
+                let found = self.vocabulary(|word| attribute.value(word));
+                return found.map(Some).ok_or_else(|| self.wanted(value));
+            }
+        }
+        Ok(None)
     }
 
     fn compared(&mut self, order: Order) -> Read<Condition> {
@@ -315,11 +323,9 @@ impl Reader<'_> {
 }
 
 fn attribute(word: &str) -> Option<Condition> {
-    let age = || Age::from_word(word).map(Condition::Age);
-    let gender = || Gender::from_word(word).map(Condition::Gender);
-    let race = || Race::from_word(word).map(Condition::Race);
-    let action = || Action::from_word(word).map(Condition::Action);
-    age().or_else(gender).or_else(race).or_else(action)
+    let is_bare = |a: &&Attribute| a.row().notation == AttributeNotation::Word;
+    let mut bare = Attribute::ALL.iter().filter(is_bare);
+    bare.find_map(|attribute| attribute.value(word)).map(Condition::Attribute)
 }
 
 fn direction(words: &str) -> Option<Direction> {

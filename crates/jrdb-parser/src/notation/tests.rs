@@ -1,8 +1,8 @@
 //! Notation there and back.
 
-use jrdb_types::Query;
 use jrdb_types::query::*;
 use jrdb_types::vocab::*;
+use jrdb_types::{AttributeValue, Query};
 use proptest::prelude::*;
 
 use super::{read, write};
@@ -41,9 +41,9 @@ fn every_construct_is_written_as_it_is_read() {
 #[test]
 fn who_is_more_comes_first() {
     let query = read("more person[male] than person[female]").unwrap();
-    assert_eq!(query.target.conditions, [Condition::Gender(Gender::Male)]);
+    assert_eq!(query.target.conditions, [Condition::has(Gender::Male)]);
     let Task::CompareCounts { order: Order::Most, than } = query.task else { panic!() };
-    assert_eq!(than.conditions, [Condition::Gender(Gender::Female)]);
+    assert_eq!(than.conditions, [Condition::has(Gender::Female)]);
 }
 
 #[test]
@@ -150,12 +150,12 @@ fn kind(pattern: BoxedStrategy<Pattern>) -> impl Strategy<Value = RelationKind> 
 
 fn condition(pattern: BoxedStrategy<Pattern>, depth: u32) -> BoxedStrategy<Condition> {
     let leaf = prop_oneof![
-        any_of(Age::ALL).prop_map(Condition::Age),
-        any_of(Gender::ALL).prop_map(Condition::Gender),
-        any_of(Race::ALL).prop_map(Condition::Race),
-        any_of(Action::ALL).prop_map(Condition::Action),
-        any_of(Color::ALL).prop_map(Condition::UpperColor),
-        any_of(Color::ALL).prop_map(Condition::LowerColor),
+        any_of(Age::ALL).prop_map(Condition::has),
+        any_of(Gender::ALL).prop_map(Condition::has),
+        any_of(Race::ALL).prop_map(Condition::has),
+        any_of(Action::ALL).prop_map(Condition::has),
+        any_of(Color::ALL).prop_map(|c| Condition::has(AttributeValue::upper_color(c))),
+        any_of(Color::ALL).prop_map(|c| Condition::has(AttributeValue::lower_color(c))),
         any_place().prop_map(Condition::FromRobot),
         quantity().prop_map(Condition::GroupSize),
     ];
@@ -190,16 +190,15 @@ fn pattern(depth: u32) -> BoxedStrategy<Pattern> {
 }
 
 fn task() -> impl Strategy<Value = Task> {
-    let properties = prop::collection::vec(any_of(&super::PROPERTIES), 1..4);
+    let properties =
+        prop::collection::vec(prop::sample::select(Property::all().collect::<Vec<_>>()), 1..4);
     prop_oneof![
         Just(Task::Find),
         Just(Task::Count),
         Just(Task::Where),
         quantity().prop_map(Task::Exists),
-        (properties, any::<bool>()).prop_map(|(properties, in_order)| Task::Which {
-            properties: properties.into_iter().map(|(property, _)| property).collect(),
-            in_order,
-        }),
+        (properties, any::<bool>())
+            .prop_map(|(properties, in_order)| Task::Which { properties, in_order }),
         (order(), pattern(1))
             .prop_map(|(order, than)| Task::CompareCounts { order, than: Box::new(than) }),
     ]

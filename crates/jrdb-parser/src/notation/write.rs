@@ -3,19 +3,19 @@
 use std::fmt::Write as _;
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
-    RelationKind, Slot, Task, Viewpoint,
+    Category, Compared, Interval, Measure, Order, Pick, Place, Quantity, Related, RelationKind,
+    Slot, Task, Viewpoint,
 };
-use jrdb_types::{Condition, Pattern, Query};
+use jrdb_types::{AttributeNotation, Condition, Pattern, Query};
 
-use super::PROPERTIES;
+use super::keyword;
 
 /// Writes a query in the notation, on one line, without its text and issues.
 ///
 /// ```
 /// use jrdb_types::{Condition, Gender, Query};
 /// let mut query = Query::default();
-/// query.target.conditions.push(Condition::Gender(Gender::Female));
+/// query.target.conditions.push(Condition::has(Gender::Female));
 /// assert_eq!(jrdb_parser::notation::write(&query), "find person[female]");
 /// ```
 #[must_use]
@@ -48,7 +48,7 @@ fn task(text: &mut String, task: &Task) {
             quantity(text, *number);
         }
         Task::Which { properties, in_order } => {
-            let names: Vec<&str> = properties.iter().map(|p| property(*p)).collect();
+            let names: Vec<String> = properties.iter().map(|p| keyword(*p)).collect();
             let order = if *in_order { " in order" } else { "" };
             put!(text, "which {}{order} of ", names.join(", "));
         }
@@ -56,10 +56,6 @@ fn task(text: &mut String, task: &Task) {
             put!(text, "{} ", if *order == Order::Most { "more" } else { "fewer" });
         }
     }
-}
-
-fn property(property: Property) -> &'static str {
-    PROPERTIES.iter().find(|(p, _)| *p == property).map_or("", |(_, name)| name)
 }
 
 /// `>=2 ` with a blank behind; nothing for "some".
@@ -147,12 +143,10 @@ fn list(text: &mut String, conditions: &[Condition], separator: &str) {
 
 fn condition(text: &mut String, condition: &Condition) {
     match condition {
-        Condition::Age(value) => put!(text, "{value}"),
-        Condition::Gender(value) => put!(text, "{value}"),
-        Condition::Race(value) => put!(text, "{value}"),
-        Condition::Action(value) => put!(text, "{value}"),
-        Condition::UpperColor(value) => put!(text, "upper={value}"),
-        Condition::LowerColor(value) => put!(text, "lower={value}"),
+        Condition::Attribute(value) => match value.attribute().row().notation {
+            AttributeNotation::Word => put!(text, "{value}"),
+            AttributeNotation::Key { key, .. } => put!(text, "{key}={value}"),
+        },
         Condition::FromRobot(where_) => sector_or_distance(text, where_),
         Condition::GroupSize(size) => {
             text.push_str("group ");

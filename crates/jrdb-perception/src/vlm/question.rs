@@ -108,10 +108,10 @@ fn spellings(topic: Topic) -> &'static [&'static [&'static str]] {
 /// Puts what is believed about a topic into a person's attributes. `probabilities` are in the order of the vocabulary.
 pub(crate) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f64]) {
     match topic {
-        Topic::Gender => attributes.gender = belief(Gender::ALL, probabilities),
-        Topic::Age => attributes.age = belief(Age::ALL, probabilities),
-        Topic::Race => attributes.race = belief(Race::ALL, probabilities),
-        Topic::Action => attributes.action = belief(Action::ALL, probabilities),
+        Topic::Gender => attributes.set_gender(belief(Gender::ALL, probabilities)),
+        Topic::Age => attributes.set_age(belief(Age::ALL, probabilities)),
+        Topic::Race => attributes.set_race(belief(Race::ALL, probabilities)),
+        Topic::Action => attributes.set_action(belief(Action::ALL, probabilities)),
         Topic::Facing => attributes.facing = belief(Facing::ALL, probabilities),
     }
 }
@@ -119,10 +119,10 @@ pub(crate) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f6
 /// What is believed about a topic, in the order of its vocabulary.
 pub(crate) fn believed(attributes: &Attributes, topic: Topic) -> Vec<f64> {
     match topic {
-        Topic::Gender => of(Gender::ALL, &attributes.gender),
-        Topic::Age => of(Age::ALL, &attributes.age),
-        Topic::Race => of(Race::ALL, &attributes.race),
-        Topic::Action => of(Action::ALL, &attributes.action),
+        Topic::Gender => of(Gender::ALL, &attributes.gender()),
+        Topic::Age => of(Age::ALL, &attributes.age()),
+        Topic::Race => of(Race::ALL, &attributes.race()),
+        Topic::Action => of(Action::ALL, &attributes.action()),
         Topic::Facing => of(Facing::ALL, &attributes.facing),
     }
 }
@@ -167,6 +167,6 @@ mod tests {
     fn beliefs_are_rounded_and_leave_out_what_is_not_believed() {
         let mut attributes = Attributes::default();
         put(&mut attributes, Topic::Gender, &[0.999_98, 0.000_02]);
-        assert_eq!(attributes.gender, Belief([(Gender::Male, 1.0)].into()));
+        assert_eq!(attributes.gender(), Belief([(Gender::Male, 1.0)].into()));
     }
 }

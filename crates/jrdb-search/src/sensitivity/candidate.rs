@@ -56,13 +56,7 @@ impl Reach {
                 parts.max().unwrap_or(Self::Nothing)
             }
             Condition::GroupSize(_) => Self::Everything,
-            Condition::Age(_)
-            | Condition::Gender(_)
-            | Condition::Race(_)
-            | Condition::Action(_)
-            | Condition::UpperColor(_)
-            | Condition::LowerColor(_)
-            | Condition::FromRobot(_) => Self::Nothing,
+            Condition::Attribute(_) | Condition::FromRobot(_) => Self::Nothing,
         }
     }
 
@@ -153,7 +147,7 @@ impl<'g, 'q> Candidate<'g, 'q> {
     pub(super) fn is_selected(
         &mut self,
         id: &EntityId,
-        number: &Number<'_>,
+        number: &Number,
         from: f64,
         to: f64,
     ) -> Option<bool> {

@@ -2,19 +2,18 @@
 
 use jrdb_types::answer::Unit;
 use jrdb_types::entity::Between;
-use jrdb_types::vocab::{Color, Sector};
+use jrdb_types::vocab::Sector;
 use jrdb_types::{
-    Action, Age, Belief, Condition, DistanceWord, Edge, EdgeRelation, EntityId, Gender,
-    LateralConvention, Node, Race, SceneGraph, SpatialRelation,
+    AttributeValue, Attributes, DistanceWord, Edge, EdgeRelation, EntityId, LateralConvention,
+    Node, SceneGraph, SpatialRelation,
 };
 
-use crate::attribute::rival;
 use crate::geometry::{apart_m, near_deg};
 
 /// Which number of a graph.
-pub(super) enum Number<'q> {
+pub(super) enum Number {
     /// Probability of the value that a condition asks for.
-    Belief(EntityId, &'q Condition),
+    Belief(EntityId, AttributeValue),
     /// Distance from the robot, metres.
     Range(EntityId),
     /// Bearing from the robot, degrees.
@@ -31,7 +30,7 @@ pub(super) enum Number<'q> {
     Aside(EntityId, EntityId, Option<EntityId>),
 }
 
-impl Number<'_> {
+impl Number {
     pub(super) fn unit(&self) -> Unit {
         match self {
             Self::Belief(..) => Unit::Probability,
@@ -81,7 +80,7 @@ impl<'g> Scratch<'g> {
     }
 
     /// How far the thing is that a bearing is told of, metres.
-    pub(super) fn range_m(&self, number: &Number<'_>) -> Option<f64> {
+    pub(super) fn range_m(&self, number: &Number) -> Option<f64> {
         match number {
             Number::Bearing(id) | Number::Row(id) => {
                 let node = self.node(id)?;
@@ -100,26 +99,19 @@ impl<'g> Scratch<'g> {
     }
 
     /// Probabilities of the asked value and of its strongest rival.
-    pub(super) fn rivals(&self, id: &EntityId, condition: &Condition) -> [f64; 2] {
+    pub(super) fn rivals(&self, id: &EntityId, asked: AttributeValue) -> [f64; 2] {
         let Some(known) = self.node(id).map(|node| &node.attributes) else { return [0.0; 2] };
-        match condition {
-            Condition::Age(asked) => both(&known.age, *asked),
-            Condition::Gender(asked) => both(&known.gender, *asked),
-            Condition::Race(asked) => both(&known.race, *asked),
-            Condition::Action(asked) => both(&known.action, *asked),
-            Condition::UpperColor(asked) => both(&known.upper_color, *asked),
-            Condition::LowerColor(asked) => both(&known.lower_color, *asked),
-            _ => [0.0; 2],
-        }
+        let belief = known.belief(asked.attribute());
+        [belief.probability(asked), belief.rival(asked).map_or(0.0, |(_, p)| p)]
     }
 
     /// The graph with one number changed from what it is; the words for it change too.
-    pub(super) fn with(&mut self, number: &Number<'_>, from: f64, to: f64) -> &SceneGraph {
+    pub(super) fn with(&mut self, number: &Number, from: f64, to: f64) -> &SceneGraph {
         self.restore();
         let lateral = self.original.lateral;
         match number {
-            Number::Belief(id, condition) => {
-                self.change_node(id, |node| believe(node, condition, to));
+            Number::Belief(id, asked) => {
+                self.change_node(id, |node| trade(&mut node.attributes, *asked, to));
             }
             Number::Range(id) => self.change_node(id, |node| {
                 set_distance(node.from_robot.get_or_insert_default(), to);
@@ -227,32 +219,16 @@ fn distance_m(edge: &Edge) -> Option<f64> {
     }
 }
 
-fn both<T: Ord + Copy>(belief: &Belief<T>, asked: T) -> [f64; 2] {
-    [belief.probability(asked), rival(belief, asked).map_or(0.0, |(_, p)| p)]
-}
-
-fn believe(node: &mut Node, condition: &Condition, to: f64) {
-    let known = &mut node.attributes;
-    match condition {
-        Condition::Age(asked) => trade(&mut known.age, *asked, Age::ALL, to),
-        Condition::Gender(asked) => trade(&mut known.gender, *asked, Gender::ALL, to),
-        Condition::Race(asked) => trade(&mut known.race, *asked, Race::ALL, to),
-        Condition::Action(asked) => trade(&mut known.action, *asked, Action::ALL, to),
-        Condition::UpperColor(asked) => trade(&mut known.upper_color, *asked, Color::ALL, to),
-        Condition::LowerColor(asked) => trade(&mut known.lower_color, *asked, Color::ALL, to),
-        _ => {}
-    }
-}
-
 /// Moves probability between a value and its strongest rival; of a value believed for sure that is the first other word.
-fn trade<T: Ord + Copy>(belief: &mut Belief<T>, asked: T, all: &[T], to: f64) {
-    let other = rival(belief, asked).map(|(value, _)| value);
-    let other = other.or_else(|| all.iter().copied().find(|value| *value != asked));
+fn trade(known: &mut Attributes, asked: AttributeValue, to: f64) {
+    let belief = known.belief(asked.attribute());
+    let other = belief.rival(asked).map(|(value, _)| value);
+    let other = other.or_else(|| asked.attribute().values().find(|value| *value != asked));
     let Some(other) = other else { return };
     let sum = belief.probability(asked) + belief.probability(other);
     let to = to.clamp(0.0, sum);
-    belief.0.insert(asked, to);
-    belief.0.insert(other, sum - to);
+    known.set_probability(asked, to);
+    known.set_probability(other, sum - to);
 }
 
 /// A place on the same side of the line from the robot to an end, so far from it, metres.

@@ -60,12 +60,12 @@ fn pattern(random: &mut Random, depth: usize) -> Pattern {
 
 fn attribute(random: &mut Random) -> Condition {
     match random.below(6) {
-        0 => Condition::Age(random.one_of(Age::ALL)),
-        1 => Condition::Gender(random.one_of(Gender::ALL)),
-        2 => Condition::Race(random.one_of(Race::ALL)),
-        3 => Condition::UpperColor(random.one_of(&Color::ALL[..3])),
-        4 => Condition::LowerColor(random.one_of(&Color::ALL[..3])),
-        _ => Condition::Action(random.one_of(&Action::ALL[..3])),
+        0 => Condition::has(random.one_of(Age::ALL)),
+        1 => Condition::has(random.one_of(Gender::ALL)),
+        2 => Condition::has(random.one_of(Race::ALL)),
+        3 => Condition::has(AttributeValue::upper_color(random.one_of(&Color::ALL[..3]))),
+        4 => Condition::has(AttributeValue::lower_color(random.one_of(&Color::ALL[..3]))),
+        _ => Condition::has(random.one_of(&Action::ALL[..3])),
     }
 }
 

@@ -15,12 +15,7 @@ pub(crate) fn id(number: u32) -> EntityId {
 }
 
 pub(crate) fn person(number: u32, age: Age, gender: Gender, race: Race) -> Node {
-    let attributes = Attributes {
-        age: Belief::certain(age),
-        gender: Belief::certain(gender),
-        race: Belief::certain(race),
-        ..Attributes::default()
-    };
+    let attributes = Attributes::certain([age.into(), gender.into(), race.into()]);
     Node { attributes, ..nobody(id(number), "person") }
 }
 
@@ -243,15 +238,13 @@ fn placed(random: &mut Random, node: Node) -> Node {
 
 fn random_person(random: &mut Random, number: u32, beliefs: Beliefs) -> Node {
     let mut node = nobody(id(number), "person");
-    node.attributes = Attributes {
-        age: belief(random, Age::ALL, beliefs),
-        gender: belief(random, Gender::ALL, beliefs),
-        race: belief(random, Race::ALL, beliefs),
-        action: belief(random, &Action::ALL[..3], beliefs),
-        upper_color: belief(random, &Color::ALL[..3], beliefs),
-        lower_color: belief(random, &Color::ALL[..3], beliefs),
-        ..Attributes::default()
-    };
+    node.attributes = Attributes::default()
+        .with_age(belief(random, Age::ALL, beliefs))
+        .with_gender(belief(random, Gender::ALL, beliefs))
+        .with_race(belief(random, Race::ALL, beliefs))
+        .with_action(belief(random, &Action::ALL[..3], beliefs))
+        .with_upper_color(belief(random, &Color::ALL[..3], beliefs))
+        .with_lower_color(belief(random, &Color::ALL[..3], beliefs));
     node.group = random.chance(0.3).then(|| random.below(2) as u32);
     placed(random, node)
 }

@@ -24,32 +24,17 @@ fn scenes(random: &mut Random) -> [SceneGraph; 2] {
         let node = at(nobody(id(number), "person"), center, Some(random.within(-3.1, 3.1)));
         let (age, gender) = (random.one_of(Age::ALL), random.one_of(Gender::ALL));
         let (race, action) = (random.one_of(Race::ALL), random.one_of(&Action::ALL[..3]));
-        let attributes = |age, gender, race, action| Attributes {
-            age,
-            gender,
-            race,
-            action,
-            ..Attributes::default()
-        };
-        truth.push(Node {
-            attributes: attributes(
-                Belief::certain(age),
-                Belief::certain(gender),
-                Belief::certain(race),
-                Belief::certain(action),
-            ),
-            ..node.clone()
-        });
+        let known = [age.into(), gender.into(), race.into(), action.into()];
+        truth.push(Node { attributes: Attributes::certain(known), ..node.clone() });
         let flat = |_: i32| 1.0;
         // Nearer ages are mistaken more often.
         let near = |steps: i32| 0.4_f64.powi(steps - 1);
         seen.push(Node {
-            attributes: attributes(
-                observed(random, Age::ALL, age as i32, AGE_FLIP, near),
-                observed(random, Gender::ALL, gender as i32, GENDER_FLIP, flat),
-                observed(random, Race::ALL, race as i32, RACE_FLIP, flat),
-                observed(random, &Action::ALL[..3], action as i32, ACTION_FLIP, flat),
-            ),
+            attributes: Attributes::default()
+                .with_age(observed(random, Age::ALL, age as i32, AGE_FLIP, near))
+                .with_gender(observed(random, Gender::ALL, gender as i32, GENDER_FLIP, flat))
+                .with_race(observed(random, Race::ALL, race as i32, RACE_FLIP, flat))
+                .with_action(observed(random, &Action::ALL[..3], action as i32, ACTION_FLIP, flat)),
             ..node
         });
     }
@@ -94,10 +79,10 @@ fn query(truth: &SceneGraph, category: &str, random: &mut Random) -> Query {
     let known = &person.attributes;
     let conditions = category.split('-').filter_map(|word| {
         Some(match word {
-            "age" => Condition::Age(known.age.best()?),
-            "gender" => Condition::Gender(known.gender.best()?),
-            "race" => Condition::Race(known.race.best()?),
-            "action" => Condition::Action(known.action.best()?),
+            "age" => Condition::has(known.age().best()?),
+            "gender" => Condition::has(known.gender().best()?),
+            "race" => Condition::has(known.race().best()?),
+            "action" => Condition::has(known.action().best()?),
             "distance" => Condition::FromRobot(Place::Distance(person.from_robot?.distance?)),
             _ => neighbor(truth, person, random)?,
         })
@@ -112,9 +97,9 @@ fn neighbor(truth: &SceneGraph, person: &Node, random: &mut Random) -> Option<Co
     let EdgeRelation::Spatial(relation) = &edge.relation else { return None };
     let other = &truth.nodes.iter().find(|node| node.id == edge.to)?.attributes;
     let conditions = vec![
-        Condition::Age(other.age.best()?),
-        Condition::Gender(other.gender.best()?),
-        Condition::Race(other.race.best()?),
+        Condition::has(other.age().best()?),
+        Condition::has(other.gender().best()?),
+        Condition::has(other.race().best()?),
     ];
     let placed = |place| RelationKind::Placed { place, viewpoint: Viewpoint::Subject };
     let kinds = vec![

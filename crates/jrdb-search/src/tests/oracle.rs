@@ -185,12 +185,7 @@ impl<'g> World<'g> {
     fn condition(&self, thing: usize, condition: &Condition) -> Truth {
         let known = self.node(thing).map(|node| &node.attributes);
         match condition {
-            Condition::Age(asked) => Some(known?.age.best()? == *asked),
-            Condition::Gender(asked) => Some(known?.gender.best()? == *asked),
-            Condition::Race(asked) => Some(known?.race.best()? == *asked),
-            Condition::Action(asked) => Some(known?.action.best()? == *asked),
-            Condition::UpperColor(asked) => Some(known?.upper_color.best()? == *asked),
-            Condition::LowerColor(asked) => Some(known?.lower_color.best()? == *asked),
+            Condition::Attribute(asked) => Some(known?.belief(asked.attribute()).best()? == *asked),
             Condition::FromRobot(asked) => placed(asked, &self.by_robot(thing)?),
             Condition::GroupSize(quantity) => Some(quantity.holds(self.group_size(thing)?)),
             Condition::Related(related) => self.related(thing, related),
@@ -267,7 +262,7 @@ impl<'g> World<'g> {
         match measure {
             Measure::Height => node?.height_m,
             Measure::Age => {
-                let age = node?.attributes.age.best()?;
+                let age = node?.attributes.age().best()?;
                 Age::ALL.iter().position(|other| *other == age).map(|place| place as f64)
             }
             Measure::Speed => node?.velocity_mps.map(|[x, y]| (x * x + y * y).sqrt()),

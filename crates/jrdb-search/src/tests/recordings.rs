@@ -18,7 +18,7 @@ fn recording(people: &[&[Option<Action>]]) -> Vec<SceneGraph> {
             let nodes = people.iter().zip(1..).filter_map(|(actions, number)| {
                 let action = actions[frame]?;
                 let mut node = nobody(id(number), "person");
-                node.attributes.action = Belief::certain(action);
+                node.attributes.set_action(Belief::certain(action));
                 node.bbox.x += frame as f64;
                 Some(node)
             });
@@ -30,7 +30,7 @@ fn recording(people: &[&[Option<Action>]]) -> Vec<SceneGraph> {
 }
 
 fn does(during_s: Option<[f64; 2]>, action: Action) -> Slot {
-    Slot { during_s, conditions: vec![Condition::Action(action)] }
+    Slot { during_s, conditions: vec![Condition::has(action)] }
 }
 
 fn when(slots: Vec<Slot>) -> Query {
@@ -78,10 +78,13 @@ fn a_slot_of_seconds_is_matched_in_most_of_the_frames_one_is_seen_in() {
 #[test]
 fn a_question_without_slots_is_about_the_whole_recording() {
     let frames = recording(&[&[Some(Walking); 3], &[Some(Walking), Some(Running), Some(Running)]]);
-    let mut query = super::ask(vec![Condition::Action(Walking)]);
+    let mut query = super::ask(vec![Condition::has(Walking)]);
     let answer = search_frames(&frames, None, &query, &SearchConfig::default());
     assert_eq!((found(&answer), answer.slots.len()), (vec![1], 0));
-    query.task = Task::Which { properties: vec![Property::Action], in_order: true };
+    query.task = Task::Which {
+        properties: vec![Property::Attribute(jrdb_types::Attribute::Action)],
+        in_order: true,
+    };
     query.target.conditions.clear();
     let Reply::Told(told) = search_frames(&frames, None, &query, &SearchConfig::default()).reply
     else {
@@ -123,7 +126,7 @@ fn an_uncertain_track_is_as_probable_as_its_frames() {
     let mut frames = recording(&[&[Some(Walking); 2], &[Some(Running); 2]]);
     for (frame, p) in frames.iter_mut().zip([0.9, 0.6]) {
         let belief = [(Walking, p), (Running, 1.0 - p)];
-        frame.nodes[0].attributes.action = Belief(belief.into_iter().collect());
+        frame.nodes[0].attributes.set_action(Belief(belief.into_iter().collect()));
     }
     let walks = when(vec![does(Some([0.0, 1.0]), Walking)]);
     let answer = search_frames(&frames, None, &walks, &SearchConfig::default());

@@ -19,11 +19,7 @@ fn three() -> SceneGraph {
 }
 
 fn young_white_female() -> Vec<Condition> {
-    vec![
-        Condition::Age(Age::Young),
-        Condition::Gender(Gender::Female),
-        Condition::Race(Race::White),
-    ]
+    vec![Condition::has(Age::Young), Condition::has(Gender::Female), Condition::has(Race::White)]
 }
 
 fn placed(sector: Sector, viewpoint: Viewpoint) -> RelationKind {
@@ -70,14 +66,14 @@ fn ranked_takes_the_best_tier_where_nothing_is_possible_and_counts_only_what_is(
 #[test]
 fn an_unknown_attribute_matches_nothing_but_rules_nothing_out() {
     let mut scene = three();
-    scene.nodes[0].attributes.age = Belief::default();
-    let query = ask(vec![Condition::Age(Age::Young)]);
+    scene.nodes[0].attributes.set_age(Belief::default());
+    let query = ask(vec![Condition::has(Age::Young)]);
     let answer = search(&scene, &query, &SearchConfig::default());
     assert_eq!(answer.selection, [id(2)]);
     let ranking: Vec<_> = answer.ranking.iter().map(|r| (r.id.number, r.probability)).collect();
     let (first, rest) = ranking.split_first().unwrap();
     assert_eq!((first, rest[0]), (&(2, 1.0), (1, 0.2)));
-    assert_eq!(strictly(&scene, vec![not(Condition::Age(Age::Young))]), [3]);
+    assert_eq!(strictly(&scene, vec![not(Condition::has(Age::Young))]), [3]);
 }
 
 #[test]
@@ -91,9 +87,8 @@ fn left_of_whom_depends_on_the_viewpoint() {
 
 #[test]
 fn in_front_for_the_robot_is_nearer() {
-    let front = |sector| {
-        vec![to(placed(sector, Viewpoint::Robot), who(vec![Condition::Race(Race::White)]))]
-    };
+    let front =
+        |sector| vec![to(placed(sector, Viewpoint::Robot), who(vec![Condition::has(Race::White)]))];
     assert_eq!(strictly(&three(), front(Sector::Front)), [1, 2]);
     assert_eq!(strictly(&three(), front(Sector::Back)), [3]);
 }
@@ -148,7 +143,7 @@ fn partners_are_counted_once_each_and_none_is_a_number_too() {
         let kinds = vec![RelationKind::Placed { place, viewpoint: Viewpoint::Subject }];
         vec![Condition::Related(Related {
             kinds,
-            partner: who(vec![Condition::Gender(Gender::Female)]),
+            partner: who(vec![Condition::has(Gender::Female)]),
             quantity,
         })]
     };
@@ -168,7 +163,7 @@ fn a_partner_that_the_graph_does_not_describe_matches_an_unconditional_pattern_o
     scene.nodes.retain(|node| node.id != id(2));
     let left = |partner| vec![to(placed(Sector::Left, Viewpoint::Subject), partner)];
     assert_eq!(strictly(&scene, left(anyone())), [1]);
-    assert_eq!(strictly(&scene, left(who(vec![Condition::Age(Age::Young)]))), [0_u32; 0]);
+    assert_eq!(strictly(&scene, left(who(vec![Condition::has(Age::Young)]))), [0_u32; 0]);
     assert_eq!(strictly(&scene, left(Pattern::of(Category::Object))), [0_u32; 0]);
 }
 
@@ -203,7 +198,7 @@ fn between_is_told_by_the_graph_and_for_the_robot_by_places() {
     let mut scene = three();
     let ends = [id(1), id(3)];
     scene.between.push(Between { middle: id(2), ends, offset_m: 0.1, fraction: 0.5 });
-    let female = || who(vec![Condition::Gender(Gender::Female)]);
+    let female = || who(vec![Condition::has(Gender::Female)]);
     let between =
         |partner, other: Pattern| vec![to(RelationKind::Between(Box::new(other)), partner)];
     assert_eq!(strictly(&scene, between(anyone(), female())), [2]);
@@ -244,7 +239,7 @@ fn picks_go_by_measure_and_leave_out_what_has_none() {
     assert_eq!(picked(&scene, Measure::Height, Order::Most, 2, 5), [3]);
     assert_eq!(picked(&scene, Measure::FromLeft, Order::Least, 1, 1), [2]);
     assert_eq!(picked(&scene, Measure::Age, Order::Least, 1, 1), [1]);
-    let near = Measure::DistanceTo(Box::new(who(vec![Condition::Gender(Gender::Male)])));
+    let near = Measure::DistanceTo(Box::new(who(vec![Condition::has(Gender::Male)])));
     assert_eq!(picked(&scene, near, Order::Least, 1, 1), [2]);
 }
 
@@ -258,7 +253,7 @@ fn comparing_is_with_each_of_the_others() {
         let (measure, order) = (Measure::Height, Order::Most);
         Condition::Compared(Compared { measure, order, than: Box::new(than) })
     };
-    let women = || who(vec![Condition::Gender(Gender::Female)]);
+    let women = || who(vec![Condition::has(Gender::Female)]);
     assert_eq!(strictly(&scene, vec![taller(women())]), [2]);
     assert_eq!(strictly(&scene, vec![not(taller(women()))]), [1, 3]);
     scene.nodes[1].height_m = None;
@@ -279,7 +274,7 @@ fn a_superlative_inside_is_looked_for_in_the_whole_graph() {
     };
     let is_nearest = Condition::Is(Box::new(nearest));
     assert_eq!(strictly(&three(), vec![is_nearest.clone()]), [1]);
-    let female = Condition::Gender(Gender::Female);
+    let female = Condition::has(Gender::Female);
     assert_eq!(strictly(&three(), vec![is_nearest.clone(), female]), [0_u32; 0]);
     assert_eq!(strictly(&three(), vec![not(is_nearest)]), [2, 3]);
 }
@@ -287,8 +282,8 @@ fn a_superlative_inside_is_looked_for_in_the_whole_graph() {
 #[test]
 fn who_may_be_one_of_them_is_not_none_of_them() {
     let mut scene = three();
-    scene.nodes[1].attributes.gender = Belief::default();
-    let women = Condition::Is(Box::new(who(vec![Condition::Gender(Gender::Female)])));
+    scene.nodes[1].attributes.set_gender(Belief::default());
+    let women = Condition::Is(Box::new(who(vec![Condition::has(Gender::Female)])));
     let none_of_them = ask(vec![not(women.clone())]);
     for policy in [MatchPolicy::Strict, MatchPolicy::Majority, MatchPolicy::Ranked] {
         let count = Query { task: Task::Count, ..none_of_them.clone() };
@@ -317,7 +312,7 @@ fn a_place_near_a_bound_is_less_probable_but_holds_by_its_word() {
 fn what_the_graph_cannot_give_is_an_issue() {
     let scene = graph(vec![nobody(id(1), "person")], Vec::new());
     let asked = vec![
-        Condition::Age(Age::Young),
+        Condition::has(Age::Young),
         to(placed(Sector::Left, Viewpoint::Subject), Pattern::of(Category::Object)),
         Condition::FromRobot(Place::Distance(DistanceWord::Close)),
     ];

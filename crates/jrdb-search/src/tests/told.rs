@@ -42,7 +42,7 @@ fn told(task: Task, conditions: Vec<Condition>) -> Vec<Vec<String>> {
 
 #[test]
 fn the_trace_names_the_witness_its_numbers_and_its_conditions() {
-    let query = ask(vec![has_left(vec![Condition::Age(Age::Elderly)])]);
+    let query = ask(vec![has_left(vec![Condition::has(Age::Elderly)])]);
     let answer = search(&scene(), &query, &under(MatchPolicy::Strict));
     let check = &answer.trace[0].checks[0];
     assert_eq!((check.holds, check.witnesses[0].number), (false, 2));
@@ -59,25 +59,25 @@ fn the_trace_names_the_witness_its_numbers_and_its_conditions() {
 fn properties_are_told_with_their_units() {
     let properties = vec![Property::Distance, Property::Direction, Property::SocialInteraction];
     let task = Task::Which { properties, in_order: false };
-    let man = vec![Condition::Gender(Gender::Male)];
+    let man = vec![Condition::has(Gender::Male)];
     let wanted = ["1.4 m, close", "front, straight ahead", "conversation: #2"];
     assert_eq!(told(task, man.clone()), wanted.map(|words| vec![words.to_owned()]));
     let around = Task::Which { properties: vec![Property::PeopleAround], in_order: false };
     assert_eq!(told(around, man), [["#2: left, 90° to the left, 1.2 m, close"]]);
-    let elderly = vec![Condition::Age(Age::Elderly)];
+    let elderly = vec![Condition::has(Age::Elderly)];
     let place = "4.0 m, moderate; front, straight ahead, next to table:1 (0.7 m)";
     assert_eq!(told(Task::Where, elderly), [[place]]);
 }
 
 #[test]
 fn yes_and_no_are_about_numbers() {
-    let women = vec![Condition::Gender(Gender::Female)];
+    let women = vec![Condition::has(Gender::Female)];
     let reply = |task| {
         search(&scene(), &Query { task, ..ask(women.clone()) }, &SearchConfig::default()).reply
     };
     assert_eq!(reply(Task::Exists(Quantity::at_least(2))), Reply::YesNo(true));
     assert_eq!(reply(Task::Exists(Quantity::exactly(1))), Reply::YesNo(false));
-    let men = Pattern { conditions: vec![Condition::Gender(Gender::Male)], ..Pattern::default() };
+    let men = Pattern { conditions: vec![Condition::has(Gender::Male)], ..Pattern::default() };
     let than = |order| Task::CompareCounts { order, than: Box::new(men.clone()) };
     assert_eq!(reply(than(Order::Most)), Reply::YesNo(true));
     assert_eq!(reply(than(Order::Least)), Reply::YesNo(false));
@@ -88,7 +88,7 @@ fn yes_and_no_are_about_numbers() {
 fn a_query_reads_as_words() {
     let query = Query {
         task: Task::Count,
-        ..ask(vec![close(), has_left(vec![Condition::Gender(Gender::Female)])])
+        ..ask(vec![close(), has_left(vec![Condition::has(Gender::Female)])])
     };
     let lines =
         "count a person with\n  close distance from the robot\n  has a female person to its left";
@@ -97,7 +97,7 @@ fn a_query_reads_as_words() {
 
 #[test]
 fn an_answer_reads_as_a_table() {
-    let query = ask(vec![close(), has_left(vec![Condition::Gender(Gender::Female)])]);
+    let query = ask(vec![close(), has_left(vec![Condition::has(Gender::Female)])]);
     let answer = search(&scene(), &query, &SearchConfig::default());
     let wanted = "\
 #1.
@@ -119,7 +119,7 @@ Nearest misses
 
 #[test]
 fn the_reason_is_the_condition_that_fails() {
-    let query = ask(vec![close(), Condition::Gender(Gender::Female)]);
+    let query = ask(vec![close(), Condition::has(Gender::Female)]);
     let answer = search(&scene(), &query, &under(MatchPolicy::Strict));
     let reason = |number| why_not(&answer, &id(number)).to_string();
     assert_eq!(reason(1), "gender female: male");
@@ -130,7 +130,7 @@ fn the_reason_is_the_condition_that_fails() {
 
 #[test]
 fn the_smallest_change_is_the_one_nearest_to_its_bound() {
-    let query = ask(vec![close(), Condition::Gender(Gender::Male)]);
+    let query = ask(vec![close(), Condition::has(Gender::Male)]);
     let changes = sensitivity(&scene(), &query, &under(MatchPolicy::Strict));
     let first = &changes[0];
     assert_eq!((first.id.number, first.effect, first.to), (1, Effect::Leaves, 1.5));
@@ -141,7 +141,7 @@ fn the_smallest_change_is_the_one_nearest_to_its_bound() {
 
 #[test]
 fn a_witness_that_turns_or_changes_is_told_of() {
-    let query = ask(vec![has_left(vec![Condition::Gender(Gender::Female)])]);
+    let query = ask(vec![has_left(vec![Condition::has(Gender::Female)])]);
     let changes = sensitivity(&scene(), &query, &under(MatchPolicy::Strict));
     let of_man: Vec<_> = changes.iter().filter(|change| change.id == id(1)).collect();
     let [turns, changes] = of_man.as_slice() else { panic!("{of_man:?}") };
@@ -166,8 +166,7 @@ fn altered(scene: &SceneGraph, change: &answer::Change, value: f64) -> Option<Sc
     else {
         return None;
     };
-    node.attributes.gender.0.insert(gender, value);
-    node.attributes.gender.0.insert(other, 1.0 - value);
+    node.attributes.set_gender(Belief([(gender, value), (other, 1.0 - value)].into()));
     Some(scene)
 }
 
@@ -179,7 +178,7 @@ fn every_change_is_real() {
         let scene = random(&mut numbers, Beliefs::Mixed);
         let query = asked::plain(&mut numbers);
         let mut conditions = query.target.conditions.clone();
-        conditions.insert(0, Condition::Gender(Gender::Female));
+        conditions.insert(0, Condition::has(Gender::Female));
         if seed % 2 == 0 {
             conditions.truncate(1);
             conditions.push(Condition::FromRobot(Place::Distance(DistanceWord::Moderate)));
@@ -216,8 +215,7 @@ fn change_of_place(scene: &SceneGraph, conditions: Vec<Condition>, of: u32) -> a
 fn somebody_beside_another_leaves_the_answer_by_going_round() {
     let place = Place::Direction(Direction::level(Sector::Left));
     let kinds = vec![RelationKind::Placed { place, viewpoint: Viewpoint::Robot }];
-    let partner =
-        Pattern { conditions: vec![Condition::Gender(Gender::Male)], ..Pattern::default() };
+    let partner = Pattern { conditions: vec![Condition::has(Gender::Male)], ..Pattern::default() };
     let left = Condition::Related(Related { kinds, partner, quantity: Quantity::SOME });
     let change = change_of_place(&scene(), vec![left.clone()], 2);
     assert_eq!((change.effect, change.witness), (Effect::Leaves, Some(id(1))));
@@ -234,7 +232,7 @@ fn somebody_beside_another_leaves_the_answer_by_going_round() {
 
 #[test]
 fn somebody_nearer_or_farther_left_than_another_changes_places_with_them() {
-    let than = Pattern { conditions: vec![Condition::Gender(Gender::Male)], ..Pattern::default() };
+    let than = Pattern { conditions: vec![Condition::has(Gender::Male)], ..Pattern::default() };
     let compared = |measure| {
         let (order, than) = (Order::Least, Box::new(than.clone()));
         vec![Condition::Compared(Compared { measure, order, than })]
@@ -257,7 +255,7 @@ fn somebody_nearer_or_farther_left_than_another_changes_places_with_them() {
 fn somebody_between_the_robot_and_another_leaves_the_line() {
     let mut scene = scene();
     scene.nodes[0].center = Some([1.4, 0.2, 0.0]);
-    let end = Pattern { conditions: vec![Condition::Age(Age::Elderly)], ..Pattern::default() };
+    let end = Pattern { conditions: vec![Condition::has(Age::Elderly)], ..Pattern::default() };
     let between = vec![Condition::Related(Related {
         kinds: vec![RelationKind::Between(Box::new(end))],
         partner: Pattern::of(Category::Robot),
