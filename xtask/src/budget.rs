@@ -10,7 +10,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 use serde_json::{Value, json};
 
-use crate::{cargo, root, run, target, usage};
+use crate::program::{cargo, root, run, target, usage};
 
 /// The budgets, from the workspace's root.
 const BUDGETS: &str = "testdata/budgets.json";

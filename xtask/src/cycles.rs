@@ -1,7 +1,7 @@
 //! Circles of files: a file that uses, directly or through others, a file that uses it.
 //!
-//! Files are read as text. What a file takes from another shows in its `use` lines and in paths that begin with `crate`, `super`
-//! or `self`; a name that a parent passes on counts as taken from the file that defines it. `mod` lines are not uses, and tests
+//! Files are read as text. What a file takes from another shows in its `use` lines and in paths that begin with `crate`, `super`,
+//! `self` or a module of its own; a name that a parent passes on counts as taken from the file that defines it. `mod` lines are not uses, and tests
 //! may use what they need.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -22,7 +22,9 @@ pub(crate) fn circles(src: &Path, files: &[PathBuf], root: &Path) -> Result<Vec<
         let text = std::fs::read_to_string(file)
             .with_context(|| format!("cannot read {}", file.display()))?;
         let shown = file.strip_prefix(root).unwrap_or(file).display().to_string();
-        sources.insert(module_of(src, file), Source::read(shown, &text));
+        let module = module_of(src, file);
+        let children = children(&module, src, files);
+        sources.insert(module, Source::read(shown, &text, &children));
     }
     let arrows: BTreeMap<&Module, BTreeSet<&Module>> =
         sources.keys().map(|from| (from, uses(from, &sources))).collect();
@@ -46,7 +48,7 @@ struct Source {
 }
 
 impl Source {
-    fn read(file: String, text: &str) -> Self {
+    fn read(file: String, text: &str, children: &[String]) -> Self {
         let code = without_tests_and_comments(text);
         let (mut paths, mut passed_on) = (Vec::new(), BTreeMap::new());
         for statement in use_statements(&code) {
@@ -59,7 +61,7 @@ impl Source {
                 }
             }
         }
-        paths.extend(inline_paths(&code));
+        paths.extend(inline_paths(&code, children));
         let defined = code.lines().filter_map(defined_name).collect();
         Self { file, paths, passed_on, defined }
     }
@@ -76,9 +78,23 @@ fn module_of(src: &Path, file: &Path) -> Module {
     parts
 }
 
+/// The names of the modules right below a module.
+fn children(module: &Module, src: &Path, files: &[PathBuf]) -> Vec<String> {
+    let below = files.iter().map(|file| module_of(src, file));
+    let below = below.filter(|m| m.len() == module.len() + 1 && m.starts_with(module));
+    below.filter_map(|mut m| m.pop()).collect()
+}
+
+/// A file's text before its tests.
+pub(crate) fn before_tests(text: &str) -> &str {
+    const MARK: &str = "#[cfg(test)]\n";
+    let opens = |at: &usize| text[at + MARK.len()..].lines().next().unwrap_or("").ends_with('{');
+    let tests = text.match_indices(MARK).map(|(at, _)| at).find(opens);
+    tests.map_or(text, |at| &text[..at])
+}
+
 fn without_tests_and_comments(text: &str) -> String {
-    let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
-    let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
+    let lines = before_tests(text).lines().filter(|line| !line.trim_start().starts_with("//"));
     lines.collect::<Vec<_>>().join("\n")
 }
 
@@ -152,12 +168,14 @@ fn split_top(text: &str) -> Vec<String> {
     parts
 }
 
-/// Paths in expressions and types that begin with `crate`, `super` or `self`.
-fn inline_paths(code: &str) -> Vec<Vec<String>> {
+/// Paths in expressions and types that begin with `crate`, `super`, `self` or a child module.
+fn inline_paths(code: &str, children: &[String]) -> Vec<Vec<String>> {
     let mut found = Vec::new();
+    let starts = ["crate", "super", "self"].into_iter().chain(children.iter().map(String::as_str));
+    let starts: Vec<String> = starts.map(|start| format!("{start}::")).collect();
     for line in code.lines().filter(|line| !line.contains("use ")) {
-        for start in ["crate::", "super::", "self::"] {
-            for (at, _) in line.match_indices(start) {
+        for start in &starts {
+            for (at, _) in line.match_indices(start.as_str()) {
                 let is_name = |c: char| c.is_alphanumeric() || c == '_' || c == ':';
                 let before = line[..at].chars().next_back();
                 if before.is_some_and(|c| c.is_alphanumeric() || c == '_' || c == ':') {
@@ -304,6 +322,15 @@ mod tests {
         );
         let other = ("other.rs", "fn g() { crate::a::f() }\n");
         assert_eq!(circles_of(&[lib, a, inner, other]), Vec::<Vec<String>>::new());
+    }
+
+    #[test]
+    fn a_parent_and_its_module_are_a_circle_if_each_uses_the_other() {
+        let lib = ("lib.rs", "mod a;\n");
+        let a = ("a/mod.rs", "mod inner;\npub struct A;\nfn f() { inner::g() }\n");
+        let inner = ("a/inner.rs", "use super::A;\npub fn g() {}\n");
+        let found = circles_of(&[lib, a, inner]);
+        assert_eq!(found, [["a/mod.rs", "a/inner.rs"]]);
     }
 
     #[test]

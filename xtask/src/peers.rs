@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-use crate::{cargo, refuse, root, target, usage};
+use crate::program::{cargo, refuse, root, target, usage};
 use table::{Ours, Peers};
 
 /// The research data, from the workspace's root, unless `JRDB_SHARED` names another folder.

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::{cargo, root, run, run_in};
+use crate::program::{cargo, root, run, run_in};
 
 /// Where the bundled scenes are, from the workspace's root.
 const SCENES: &str = "testdata/scenes";
@@ -35,11 +35,19 @@ fn names_source(flag: &str) -> bool {
     ["--scene", "--dataset", "--help", "-h"].iter().any(|name| flag.starts_with(name))
 }
 
+/// The flag that prints every question instead of the misses.
+const VERBOSE: &str = "--verbose";
+
 /// All bundled scenes, seen by the demo's models unless the flags say otherwise, into `out/`.
 fn bundled_run(flags: &[String]) -> Result<()> {
+    eprintln!("building jrdb: a few minutes the first time, seconds later");
+    run(cargo().args(["build", "--package", "jrdb", "--bin", "jrdb"]))?;
+    let scenes = bundled()?;
+    let count = scenes.len();
+    eprintln!("running all stages on {count} bundled scenes: about half a minute on two cores");
     let mut command = jrdb();
     command.arg("run");
-    for scene in bundled()? {
+    for scene in scenes {
         command.arg("--scene").arg(scene);
     }
     let is_given = |name: &str| flags.iter().any(|flag| flag.starts_with(name));
@@ -49,7 +57,10 @@ fn bundled_run(flags: &[String]) -> Result<()> {
     if !is_given("--out") {
         command.args(["--artifacts", "--out", "out"]);
     }
-    run(command.args(flags))
+    if !is_given(VERBOSE) && !is_given("--format") && !is_given("--explain") {
+        command.arg("--brief");
+    }
+    run(command.args(flags.iter().filter(|flag| *flag != VERBOSE)))
 }
 
 /// Makes the bundled scenes anew from their `scene.json`.

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-use crate::cycles::circles;
+use crate::cycles::{before_tests, circles};
 use crate::law::{LAW, Row, table};
-use crate::{cargo, root};
+use crate::program::{cargo, root};
 
 /// Only crates that may touch the world may use these.
 const WORLD: [&str; 8] = [
@@ -120,7 +120,7 @@ fn page_faults(row: &Row, folder: &Path) -> Result<Vec<String>> {
 fn source_faults(row: &Row, path: &Path) -> Result<Vec<String>> {
     let text = read(path)?;
     let shown = path.strip_prefix(root()).unwrap_or(path).display().to_string();
-    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
+    let code = before_tests(&text);
     let mut faults = Vec::new();
     let lines = code.lines().count();
     if lines > LINES_MAX {

@@ -164,7 +164,11 @@ pub fn read_artefact<T: Payload>(path: &Path) -> Result<T, Error> {
     Ok(artefact.data)
 }
 
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+/// Writes a file, with the folders it needs.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     let fail = |source| Error::file("write", path, source);
     if let Some(folder) = path.parent() {
         std::fs::create_dir_all(folder).map_err(fail)?;

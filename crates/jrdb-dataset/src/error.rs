@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use jrdb_types::ArtefactError;
 
 use crate::cloud::CloudError;
-use crate::image::ImageError;
+use crate::image_error::ImageError;
 
 /// Why a file could not be read, written or understood; always names the file.
 #[derive(Debug, thiserror::Error)]

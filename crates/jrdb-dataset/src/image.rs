@@ -8,6 +8,7 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+pub use crate::image_error::ImageError;
 use crate::{Error, file};
 
 /// Largest picture that is decoded, pixels: 70 times a JRDB panorama.
@@ -30,37 +31,6 @@ const JPEG_END: &[u8] = &[0xff, 0xd9];
 const TAIL_BYTES: usize = 64;
 const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
 const JPEG_MAGIC: &[u8] = b"\xff\xd8\xff";
-
-/// Why bytes are not a picture that can be used.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum ImageError {
-    /// Neither PNG nor JPEG.
-    #[error("expected a png or jpeg, found a file that starts with {found:02x?}")]
-    UnknownFormat {
-        /// The first bytes, at most eight.
-        found: Vec<u8>,
-    },
-    /// The header states a size that is too large to decode or impossible for the number of bytes.
-    #[error("expected at most {limit} pixels, found a header that states {width} x {height}")]
-    TooLarge {
-        /// Pixels allowed for a file of this length.
-        limit: u64,
-        /// Columns.
-        width: usize,
-        /// Rows.
-        height: usize,
-    },
-    /// The bytes break off or contradict themselves, or use a variant that is not supported.
-    #[error("expected a well-formed {format}")]
-    Malformed {
-        /// `png` or `jpeg`.
-        format: &'static str,
-        /// What is wrong.
-        #[source]
-        source: Box<dyn std::error::Error + Send + Sync>,
-    },
-}
 
 /// Reads a PNG or a baseline or progressive JPEG as RGB; see [`decode_image`].
 ///
@@ -95,6 +65,7 @@ pub(crate) fn read_header(path: &Path) -> Result<ImageHeader, Error> {
 /// # Errors
 /// [`ImageError`]; a size over 2²⁷ pixels is refused before anything of that size is allocated.
 pub fn decode_image(bytes: &[u8]) -> Result<Image, ImageError> {
+    tracing::trace!(target: "jrdb::decode_image", bytes = bytes.len());
     if bytes.starts_with(PNG_MAGIC) {
         decode_png(bytes)
     } else if bytes.starts_with(JPEG_MAGIC) {

@@ -9,6 +9,7 @@ mod calibration;
 mod detections;
 mod error;
 mod file;
+mod image_error;
 mod labels;
 mod number;
 mod questions;

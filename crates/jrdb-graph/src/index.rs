@@ -12,6 +12,8 @@ use jrdb_types::{
     Direction, DistanceWord, EdgeRelation, EntityId, Node, SceneGraph, SpatialRelation,
 };
 
+use petgraph::unionfind::UnionFind;
+
 use adjacency::{Ends, Rows, Runs};
 use ids::{Ids, NOWHERE};
 
@@ -175,6 +177,28 @@ impl<'a> GraphIndex<'a> {
         distance: Option<DistanceWord>,
     ) -> &[u32] {
         self.tables.runs.run(number, direction, distance)
+    }
+
+    /// A number for each connected component: equal numbers for those that some relations join, directly or through
+    /// others, in either direction.
+    ///
+    /// `is_member` decides which things take part; of the others each is alone.
+    #[must_use]
+    pub fn components(
+        &self,
+        is_member: impl Fn(usize) -> bool,
+        joins: impl Fn(&EdgeRelation) -> bool,
+    ) -> Vec<usize> {
+        let mut sets = UnionFind::new(self.size());
+        for from in (0..self.size()).filter(|&from| is_member(from)) {
+            let row = self.outgoing(from);
+            for (&to, &edge) in row.others.iter().zip(row.edges) {
+                if is_member(to as usize) && joins(self.relation(edge)) {
+                    sets.union(from, to as usize);
+                }
+            }
+        }
+        sets.into_labeling()
     }
 
     /// Between which two a thing is, as numbers, with the entry that says so.

@@ -19,9 +19,10 @@ pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option
     for group in people.iter().filter_map(told) {
         *counts.entry(group).or_default() += 1;
     }
-    let roots = components(index, config, |number| {
+    let is_free = |number: usize| {
         people.contains(number) && number < index.node_count() && told(number).is_none()
-    });
+    };
+    let roots = index.components(is_free, |relation| joins(relation, config));
     let mut members = vec![0; index.size()];
     people.iter().filter(|&n| n < index.node_count()).for_each(|n| members[roots[n]] += 1);
     (0..index.node_count())
@@ -40,25 +41,6 @@ pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option
         .collect()
 }
 
-/// A number for each connected component.
-fn components(
-    index: &GraphIndex<'_>,
-    config: &SearchConfig,
-    is_free: impl Fn(usize) -> bool,
-) -> Vec<usize> {
-    let mut parents: Vec<usize> = (0..index.size()).collect();
-    for from in (0..index.size()).filter(|&from| is_free(from)) {
-        let row = index.outgoing(from);
-        for (&to, &edge) in row.others.iter().zip(row.edges) {
-            if is_free(to as usize) && joins(index.relation(edge), config) {
-                let (a, b) = (root(&mut parents, from), root(&mut parents, to as usize));
-                parents[a.max(b)] = a.min(b);
-            }
-        }
-    }
-    (0..index.size()).map(|number| root(&mut parents, number)).collect()
-}
-
 fn joins(relation: &EdgeRelation, config: &SearchConfig) -> bool {
     match relation {
         EdgeRelation::Interaction { .. } => true,
@@ -69,12 +51,4 @@ fn joins(relation: &EdgeRelation, config: &SearchConfig) -> bool {
         },
         EdgeRelation::Pair { .. } => false,
     }
-}
-
-fn root(parents: &mut [usize], mut number: usize) -> usize {
-    while parents[number] != number {
-        parents[number] = parents[parents[number]];
-        number = parents[number];
-    }
-    number
 }

@@ -6,7 +6,7 @@ use jrdb_projection::nalgebra::{Rotation2, Vector2};
 use jrdb_projection::relation::wrap_rad;
 use jrdb_types::{Action, Age, Gender, Race};
 
-use super::SynthConfig;
+use super::config::SynthConfig;
 use super::furniture::{Furniture, Kind};
 use super::person::{Look, Person, TOPS, height_m};
 use super::plan::{self, EVERYWHERE, Group, Zone};

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod cast;
+mod config;
 mod furniture;
 mod labels;
 mod lidar;
@@ -23,7 +24,6 @@ use std::path::Path;
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
 use jrdb_types::{Belief, FrameId, Image, PointCloud, Question, Questions};
-use serde::{Deserialize, Serialize};
 
 use cast::Cast;
 use lidar::Target;
@@ -33,6 +33,7 @@ use room::Room;
 
 pub use robot::calibration;
 pub use room::Setting;
+pub use config::SynthConfig;
 pub use training::{Practice, TILE_PX, practice};
 pub use view::{InTile, Seen, View};
 
@@ -50,30 +51,6 @@ const PEOPLE_MAX: usize = 60;
 const PERSON_RETURN: f32 = 18.0;
 const CHAIR_RETURN: f32 = 26.0;
 const FURNITURE_RETURN: f32 = 42.0;
-
-/// Which world to make.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct SynthConfig {
-    /// Another seed is another world; the same configuration gives the same bytes.
-    pub seed: u64,
-    /// How many people; at most 60, and fewer when the room is too small for them.
-    pub people: usize,
-    /// How many frames, a third of a second apart.
-    pub frames: u32,
-    /// What kind of place.
-    pub setting: Setting,
-    /// Name of the sequence.
-    pub sequence: String,
-}
-
-impl Default for SynthConfig {
-    /// Eight people on a plaza, one frame: enough for every kind of question.
-    fn default() -> Self {
-        let (setting, sequence) = (Setting::default(), "synth_0".into());
-        Self { seed: 0, people: 8, frames: 1, setting, sequence }
-    }
-}
 
 /// A room with everything in it, over time. Frames are made when they are asked for.
 #[derive(Debug, Clone, PartialEq)]

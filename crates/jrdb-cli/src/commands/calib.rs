@@ -7,6 +7,7 @@ use anyhow::Result;
 use clap::{Args, Subcommand};
 use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, check_fit, refine};
 use jrdb_cli::Error;
+use jrdb_cli::output::write;
 use jrdb_cli::calib::{
     BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, fit_text, floor_lines, refinement_text,
     tilted_more, verdict_words, with_views,
@@ -17,8 +18,8 @@ use jrdb_draw::{Overlay, Strip, draw_overlay};
 use jrdb_projection::nalgebra::Point3;
 use serde_json::json;
 
-use super::run::SourceArgs;
-use super::{Format, say};
+use super::args::SourceArgs;
+use super::print::{Format, say};
 
 /// Does the cloud fit the image, and if not, by how much
 #[derive(Debug, Args)]
@@ -240,12 +241,4 @@ fn draw(job: &Job, out: &Path, words: &str, corrections: &[(String, Motion)]) ->
         write(&out.join(name), &png)?;
     }
     Ok(())
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let fail = |source| Error::File { action: "write", path: path.into(), source };
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(fail)?;
-    }
-    std::fs::write(path, bytes).map_err(fail)
 }

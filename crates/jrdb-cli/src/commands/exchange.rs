@@ -7,6 +7,7 @@ use std::sync::Arc;
 use anyhow::Result;
 use clap::Args;
 use jrdb_cli::Error;
+use jrdb_cli::output::write;
 use jrdb_cli::source::{FrameSource, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
@@ -16,8 +17,8 @@ use jrdb_perception::vlm::Topic;
 use jrdb_pipeline::Pipeline;
 use jrdb_types::{FrameId, Image};
 
-use super::run::{PerceptionArgs, SourceArgs};
-use super::say;
+use super::args::{PerceptionArgs, SourceArgs};
+use super::print::say;
 
 /// File with the lines, in the folder.
 const FILE: &str = "exchange.jsonl";
@@ -117,12 +118,4 @@ fn stem(frame: &FrameId) -> String {
 
 fn picture(path: &Path, image: &Image) -> Result<(), Error> {
     write(path, &jrdb_dataset::encode_png(image, PngCompression::Quick))
-}
-
-fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let failed = |source| Error::File { action: "write", path: path.into(), source };
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(failed)?;
-    }
-    std::fs::write(path, bytes).map_err(failed)
 }

@@ -1,8 +1,10 @@
 //! The command line: `run` does everything, the other commands do one stage each.
 
+mod args;
 mod calib;
 mod exchange;
 mod models;
+mod print;
 mod progress;
 mod question;
 mod rig;
@@ -11,11 +13,10 @@ mod schema;
 mod stage;
 mod synth;
 
-use std::io::{ErrorKind, Write};
 use std::process::ExitCode;
 
-use anyhow::{Context, Result};
-use clap::{Parser, Subcommand, ValueEnum};
+use anyhow::Result;
+use clap::{Parser, Subcommand};
 
 /// Find people in a 360° image and LiDAR cloud by asking for them in English.
 #[derive(Debug, Parser)]
@@ -53,26 +54,6 @@ enum Command {
     Schema(schema::SchemaArgs),
     /// Model files: which there are, fetch them, check them
     Models(models::ModelsArgs),
-}
-
-/// How results are printed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(crate) enum Format {
-    /// For people.
-    #[default]
-    Text,
-    /// For programs.
-    Json,
-}
-
-/// Writes to standard output. Whoever stops reading, as `head` does, has read enough.
-pub(crate) fn say(text: &str) -> Result<()> {
-    match std::io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(error).context("cannot write to standard output")
-        }
-        _ => Ok(()),
-    }
 }
 
 /// What the user can do about an error: the flags and commands that the libraries do not know of.

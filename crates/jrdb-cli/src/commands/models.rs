@@ -20,8 +20,8 @@ use jrdb_perception::{Perceive, View};
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, PixelBox, with_causes};
 
-use super::run::{EngineArg, SourceArgs};
-use super::say;
+use super::args::{EngineArg, SourceArgs};
+use super::print::say;
 
 /// The backbone that `check` counts with.
 const LIGHT: &str = "light";

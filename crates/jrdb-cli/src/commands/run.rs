@@ -1,243 +1,20 @@
 //! `jrdb run`.
 
-use std::ops::{ControlFlow, Range};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Result;
-use clap::{Args, ValueEnum};
-use jrdb_cli::report::JsonReport;
-use jrdb_cli::report::{Detail, Telling};
-use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, Source, open_perception};
+use clap::Args;
+use jrdb_cli::report::{Detail, JsonReport, Telling};
 use jrdb_cli::{Error, FrameResult, Run, RunOptions, RunSummary, report};
-use jrdb_models::demographics::Demographics;
-use jrdb_models::loader::{EngineChoice, EngineOptions};
-use jrdb_models::profile::Profile;
-use jrdb_models::{Perception, PerceptionSource};
 use jrdb_pipeline::{PipelineConfig, read_query};
-use jrdb_types::score::IouKind;
-use jrdb_types::{LateralConvention, Localizer};
 
+use super::args::{Iou, PerceptionArgs, ProjectionArgs, SourceArgs};
+use super::print::{Format, say, tell_profile};
 use super::progress::Progress;
 use super::question::{AnswerArgs, ReadingArgs};
-use super::{Format, say};
-
-/// Which frames.
-#[derive(Debug, Args)]
-pub(crate) struct SourceArgs {
-    /// A scene folder, all its frames; may be given several times
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["dataset", "sequence"])]
-    scene: Vec<PathBuf>,
-    /// The root of a JRDB tree
-    #[arg(long, value_name = "ROOT", requires = "sequence")]
-    dataset: Option<PathBuf>,
-    /// A sequence of the tree
-    #[arg(long, value_name = "NAME", requires = "dataset")]
-    sequence: Option<String>,
-    /// Frame numbers, B exclusive; all when absent
-    #[arg(long, value_name = "A..B", value_parser = frame_range)]
-    pub(crate) frames: Option<Range<u32>>,
-    #[command(flatten)]
-    pub(crate) robot: RobotArgs,
-}
-
-/// Which sensors.
-#[derive(Debug, Args)]
-pub(crate) struct RobotArgs {
-    /// A rig file; tree: the tree's own calibration (default); jrdb-refined: JRDB's panorama as the five
-    /// views that it is
-    #[arg(long, value_name = "RIG")]
-    pub(crate) rig: Option<RigChoice>,
-    /// The rig's camera that the images are from; its first when absent
-    #[arg(long, value_name = "NAME")]
-    camera: Option<String>,
-}
-
-impl RobotArgs {
-    pub(crate) fn options(&self) -> RobotOptions {
-        let (rig, camera) = (self.rig.clone().unwrap_or_default(), self.camera.clone());
-        RobotOptions { rig, camera }
-    }
-}
-
-impl SourceArgs {
-    /// Whether any frames are named.
-    pub(crate) fn is_given(&self) -> bool {
-        self.dataset.is_some() || !self.scene.is_empty()
-    }
-
-    pub(crate) fn robot(&self) -> RobotOptions {
-        self.robot.options()
-    }
-
-    pub(crate) fn sources(&self) -> Result<Vec<Source>, Error> {
-        match (&self.dataset, &self.sequence) {
-            (Some(root), Some(name)) => {
-                Ok(vec![Source::Sequence { root: root.clone(), name: name.clone() }])
-            }
-            _ if self.scene.is_empty() => Err(Error::Usage(
-                "expected --scene DIR, or --dataset ROOT and --sequence NAME".into(),
-            )),
-            _ => Ok(self.scene.iter().cloned().map(Source::Scene).collect()),
-        }
-    }
-}
-
-fn frame_range(text: &str) -> Result<Range<u32>, String> {
-    let expected = || format!("expected A..B with A < B, found {text:?}");
-    let (start, end) = text.split_once("..").ok_or_else(expected)?;
-    let [start, end] = [start, end].map(str::parse);
-    match (start, end) {
-        (Ok(start), Ok(end)) if start < end => Ok(start..end),
-        _ => Err(expected()),
-    }
-}
-
-/// Where detections come from.
-#[derive(Debug, Args)]
-pub(crate) struct PerceptionArgs {
-    /// labels, file:PATH (our detections or COCO results), replay:PATH (an exchange), light (people and objects), ssdlite (people), or a backbone:
-    /// demo, florence2-internvl, paper, or NAME for NAME.json in the models folder
-    #[arg(long, default_value = "labels", value_name = "SOURCE")]
-    perception: PerceptionSource,
-    /// What light guesses from faces; the bare flag means gender
-    #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
-    demographics: DemographicsArg,
-    /// Folder with model files
-    #[arg(long, default_value = "models", value_name = "DIR")]
-    pub(crate) models: PathBuf,
-    /// Which engine runs models
-    #[arg(long, value_enum, default_value_t)]
-    engine: EngineArg,
-    /// ONNX Runtime's shared library
-    #[arg(long, value_name = "PATH")]
-    onnxruntime: Option<PathBuf>,
-    /// Tell on stderr how long every graph of a model took, and the peak memory
-    #[arg(long)]
-    profile: bool,
-}
-
-impl PerceptionArgs {
-    pub(crate) fn open(&self, frames: &[FrameSource]) -> Result<Perception, Error> {
-        open_perception(&self.perception, frames, &self.engine(), self.demographics.into())
-    }
-
-    pub(crate) fn engine(&self) -> EngineOptions {
-        let (library, models) = (self.onnxruntime.clone(), self.models.clone());
-        let profile = self.profile.then(Profile::default);
-        EngineOptions { choice: self.engine.into(), library, profile, models }
-    }
-}
-
-/// Which engine runs models.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-pub(crate) enum EngineArg {
-    /// ONNX Runtime where its library is found, else rten
-    #[default]
-    Auto,
-    /// Pure Rust, on the CPU
-    Rten,
-    /// ONNX Runtime
-    Ort,
-}
-
-impl From<EngineArg> for EngineChoice {
-    fn from(engine: EngineArg) -> Self {
-        match engine {
-            EngineArg::Auto => Self::Auto,
-            EngineArg::Rten => Self::Rten,
-            EngineArg::Ort => Self::Ort,
-        }
-    }
-}
-
-/// What `light` guesses from faces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum DemographicsArg {
-    /// Gender where a question needs it, else none
-    #[default]
-    Auto,
-    /// None
-    None,
-    /// Gender
-    Gender,
-    /// Gender and age; age is unreliable
-    All,
-}
-
-impl From<DemographicsArg> for Demographics {
-    fn from(wanted: DemographicsArg) -> Self {
-        match wanted {
-            DemographicsArg::Auto => Self::Auto,
-            DemographicsArg::None => Self::None,
-            DemographicsArg::Gender => Self::Gender,
-            DemographicsArg::All => Self::All,
-        }
-    }
-}
-
-/// How people are placed.
-#[derive(Debug, Args)]
-pub(crate) struct ProjectionArgs {
-    /// Which side "left" names; engine-head mirrors it, as the benchmark's engine does
-    #[arg(long, value_enum, default_value_t)]
-    lateral: Lateral,
-    /// How positions are found
-    #[arg(long, value_enum, default_value_t)]
-    localizer: LocalizerArg,
-}
-
-impl ProjectionArgs {
-    pub(crate) fn apply(&self, config: &mut PipelineConfig) {
-        config.projection.lateral = match self.lateral {
-            Lateral::Physical => LateralConvention::Physical,
-            Lateral::EngineHead => LateralConvention::EngineHead,
-        };
-        config.projection.localizer = match self.localizer {
-            LocalizerArg::DensestRange => Localizer::DensestRange,
-            LocalizerArg::Mean => Localizer::Mean,
-            LocalizerArg::Given => Localizer::Given,
-        };
-    }
-}
-
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum Lateral {
-    #[default]
-    Physical,
-    EngineHead,
-}
-
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-enum LocalizerArg {
-    /// Densest range bin in the core of the box
-    #[default]
-    DensestRange,
-    /// Mean of all points in the box (the paper)
-    Mean,
-    /// The 3D box that came with the detection
-    Given,
-}
-
-/// Which IoU scores use.
-#[derive(Debug, Clone, Copy, Default, ValueEnum)]
-pub(crate) enum Iou {
-    /// On the plane, as the official evaluators
-    #[default]
-    Planar,
-    /// On the circle of the panorama
-    Circular,
-}
-
-impl Iou {
-    pub(crate) fn apply(self, config: &mut PipelineConfig) {
-        config.metrics.iou = match self {
-            Self::Planar => IouKind::Planar,
-            Self::Circular => IouKind::Circular,
-        };
-    }
-}
 
 #[derive(Debug, Args)]
 pub(crate) struct RunArgs {
@@ -313,13 +90,6 @@ impl RunArgs {
             out: self.out.clone(),
             artifacts: self.artifacts,
         })
-    }
-}
-
-/// Says on stderr where the models' time went, if that was asked for.
-pub(crate) fn tell_profile(engine: &EngineOptions) {
-    if let Some(profile) = &engine.profile {
-        eprint!("{}", profile.table());
     }
 }
 

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::Args;
 use jrdb_cli::Error;
 
-use super::say;
+use super::print::say;
 
 #[derive(Debug, Args)]
 pub(crate) struct SchemaArgs {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use anyhow::{Result, bail};
 use clap::Args;
-use jrdb_cli::output::{read_artefact, write_artefact};
+use jrdb_cli::output::{read_artefact, write, write_artefact};
 use jrdb_cli::source::{FrameSource, Source, list_frames};
 use jrdb_cli::{Error, report};
 use jrdb_metrics::Outcome;
@@ -18,8 +18,8 @@ use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Questio
 use serde_json::{Value, json};
 
 use super::question::{AnswerArgs, ReadingArgs, question};
-use super::run::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
-use super::{Format, say};
+use super::args::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
+use super::print::{Format, say};
 
 /// Where a stage's artefact goes.
 #[derive(Debug, Args)]
@@ -71,7 +71,7 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
     // Decoded even where perception does not look at it: trouble with it is worth knowing.
     read.decode();
     let detections = Pipeline::sharing(robot, shared, Arc::default()).perceive(&read)?;
-    super::run::tell_profile(&args.perception.engine());
+    super::print::tell_profile(&args.perception.engine());
     let lines = detections.detections.iter().map(|d| {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
@@ -138,6 +138,12 @@ pub(crate) struct GraphArgs {
     /// Entities of one frame
     #[arg(long, value_name = "FILE")]
     entities: PathBuf,
+    /// Write the graph in the DOT language of Graphviz, too: interactions, and places within --dot-within
+    #[arg(long, value_name = "FILE")]
+    dot: Option<PathBuf>,
+    /// Largest distance of two things whose relation --dot shows
+    #[arg(long, value_name = "METRES", default_value_t = 5.0, requires = "dot")]
+    dot_within: f64,
     #[command(flatten)]
     output: OutputArgs,
 }
@@ -146,6 +152,9 @@ pub(crate) fn graph(args: &GraphArgs) -> Result<ExitCode> {
     let entities: Entities = read_artefact(&args.entities)?;
     let config = jrdb_graph::GraphConfig::default();
     let graph = jrdb_graph::build(&entities, &config);
+    if let Some(path) = &args.dot {
+        write(path, jrdb_graph::dot(&graph, args.dot_within).as_bytes())?;
+    }
     let summary = format!("{} nodes, {} edges", graph.nodes.len(), graph.edges.len());
     args.output.give(json!(config), &graph, &summary)
 }

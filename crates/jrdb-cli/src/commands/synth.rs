@@ -84,6 +84,6 @@ pub(crate) fn synth(args: &SynthArgs) -> Result<ExitCode> {
         "{} frames of {} are in {out}; next: jrdb run --scene {out}",
         config.frames, config.sequence
     );
-    super::say(&format!("{done}\n"))?;
+    super::print::say(&format!("{done}\n"))?;
     Ok(ExitCode::SUCCESS)
 }

@@ -3,7 +3,7 @@
 use jrdb_types::PointCloud;
 
 use super::columns::{close_gaps, empty};
-use super::excerpt;
+use super::fields::excerpt;
 
 /// What a word of a line is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,7 +5,7 @@ use std::path::Path;
 use jrdb_types::PointCloud;
 
 use super::columns::{ByteOrder, Column, Columns, Scalar};
-use super::{Fields, filled};
+use super::fields::{Fields, filled};
 
 /// What the floats of a point are; the file does not say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

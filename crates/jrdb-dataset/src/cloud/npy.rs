@@ -5,7 +5,7 @@ use std::str::FromStr;
 use jrdb_types::PointCloud;
 
 use super::columns::{ByteOrder, Column, Columns, Scalar};
-use super::{Fields, excerpt, filled};
+use super::fields::{Fields, excerpt, filled};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
 

@@ -7,7 +7,7 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Belief, Detection, Detections, EntityId};
 use serde::{Serialize, Serializer};
 
-use super::LabelledFrame;
+use super::frame::{LabelledFrame, file_name};
 use crate::labels::words::{IMPOSSIBLE, JrdbWord};
 use crate::labels::wrap_rad;
 
@@ -151,7 +151,7 @@ fn file<T: Serialize>(
     objects: impl Fn(&LabelledFrame, &str) -> Vec<T>,
 ) -> String {
     let labels = frames.iter().map(|frame| {
-        let name = super::number(&frame.detections.frame, extension);
+        let name = file_name(&frame.detections.frame, extension);
         let objects = objects(frame, &name);
         (name, objects)
     });

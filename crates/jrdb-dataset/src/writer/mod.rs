@@ -1,26 +1,20 @@
 //! Writing a JRDB tree: the counterpart of [`Dataset`](crate::Dataset).
 
 mod calibration;
+mod frame;
 mod labels;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use jrdb_types::{Detections, EntityId, FrameId, Image, PointCloud};
+use jrdb_types::{FrameId, Image, PointCloud};
 
 use crate::calibration::{LIDARS, OfficialCalibration};
 use crate::labels::{BOXES, SOCIAL, SPACE};
 use crate::tree::{CALIBRATION, CLOUDS, IMAGES, LABELS};
 use crate::{Error, file, image, pcd};
+use frame::file_name;
 
-/// The labels of one frame, to be written.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LabelledFrame {
-    /// Who is where. Ids and boxes are written as they are; of a belief the most probable value.
-    pub detections: Detections,
-    /// LiDAR points in each 3D box; 0 where an id is absent.
-    pub num_points: BTreeMap<EntityId, usize>,
-}
+pub use frame::LabelledFrame;
 
 /// Writes a tree in JRDB's form, which [`Dataset`](crate::Dataset) and JRDB's own tools read.
 ///
@@ -43,7 +37,7 @@ impl TreeWriter {
     /// [`Error::Write`], or [`Error::Content`] for an image without pixels or with a wrong number of
     /// samples.
     pub fn image(&self, frame: &FrameId, image: &Image) -> Result<(), Error> {
-        let path = self.root.join(IMAGES).join(&frame.sequence).join(number(frame, "png"));
+        let path = self.root.join(IMAGES).join(&frame.sequence).join(file_name(frame, "png"));
         let samples = 3 * image.width * image.height;
         if samples == 0 || image.rgb.len() != samples {
             let expected = format!("{} x {} rgb pixels", image.width, image.height);
@@ -58,7 +52,7 @@ impl TreeWriter {
     /// [`Error::Write`], or [`Error::Content`] when the cloud's sensor is not one of JRDB's.
     pub fn cloud(&self, frame: &FrameId, cloud: &PointCloud) -> Result<(), Error> {
         let path = self.root.join(CLOUDS).join(&cloud.sensor).join(&frame.sequence);
-        let path = path.join(number(frame, "pcd"));
+        let path = path.join(file_name(frame, "pcd"));
         if !LIDARS.iter().any(|(name, _)| *name == cloud.sensor) {
             let expected = format!("{} or {} as sensor", LIDARS[0].0, LIDARS[1].0);
             return Err(Error::content(&path, expected, format!("{:?}", cloud.sensor)));
@@ -101,8 +95,4 @@ impl TreeWriter {
         write(SPACE, labels::space(frames))?;
         write(SOCIAL, labels::social(frames))
     }
-}
-
-fn number(frame: &FrameId, extension: &str) -> String {
-    format!("{:06}.{extension}", frame.frame)
 }

@@ -27,6 +27,7 @@ use super::token::Kind;
 /// # Errors
 /// [`NotationError`] at the first piece that does not fit.
 pub fn read(text: &str) -> Result<Query, NotationError> {
+    tracing::trace!(target: "jrdb::parse", text);
     let mut reader = Reader::new(text);
     let mut task = reader.task()?;
     let target = reader.pattern()?;

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::HeadingConfig;
+use super::config::HeadingConfig;
 use crate::BaseCloud;
 
 /// Where the shoulders run: known up to half a turn.

@@ -6,7 +6,7 @@ use jrdb_types::vocab::{Facing, HeadingSource};
 use jrdb_types::{Belief, Heading};
 use nalgebra::{Point3, Vector2};
 
-use super::HeadingConfig;
+use super::config::HeadingConfig;
 use crate::relation::wrap_rad;
 
 /// The angle that a person's front makes with the line of sight from the robot, radians counter-clockwise.

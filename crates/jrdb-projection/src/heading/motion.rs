@@ -3,7 +3,7 @@
 use jrdb_types::Heading;
 use jrdb_types::vocab::HeadingSource;
 
-use super::HeadingConfig;
+use super::config::HeadingConfig;
 use crate::relation::wrap_rad;
 
 /// Where something was at a time.

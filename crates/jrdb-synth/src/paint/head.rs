@@ -3,7 +3,7 @@
 use jrdb_types::{Age, Gender};
 
 use super::person::{Facing, Figure};
-use super::shade;
+use super::shade::shade;
 use crate::room::Color;
 
 const DARK: Color = [22, 20, 20];

@@ -5,6 +5,7 @@ mod canvas;
 mod head;
 mod pen;
 mod person;
+mod shade;
 mod solids;
 
 use jrdb_types::{EntityId, Image, PixelBox};
@@ -127,9 +128,4 @@ fn pixel_box(extent: Extent, camera: &Panorama) -> Option<PixelBox> {
     let (x, y) = (left.floor(), top.floor().max(0.0));
     let bbox = PixelBox { x, y, w: right.ceil() - x, h: bottom.ceil().min(rows) - y };
     bbox.is_proper().then(|| bbox.wrapped(f64::from(camera.lens.width_px)))
-}
-
-/// A colour in more or less light.
-fn shade(color: Color, light: f64) -> Color {
-    color.map(|value| (f64::from(value) * light).clamp(0.0, 255.0) as u8)
 }

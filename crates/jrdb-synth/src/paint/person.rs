@@ -6,7 +6,7 @@ use jrdb_types::{Action, Age};
 
 use super::canvas::{Canvas, Extent};
 use super::pen::Pen;
-use super::shade;
+use super::shade::shade;
 use crate::person::{Build, CHIN, KNEE, Look, Person, Pose};
 use crate::robot::Panorama;
 use crate::room::Color;

@@ -4,7 +4,7 @@ use jrdb_projection::camera::CameraModel;
 use jrdb_projection::nalgebra::{Point3, Vector2, Vector3};
 
 use super::canvas::{Canvas, Extent};
-use super::shade;
+use super::shade::shade;
 use crate::furniture::Part;
 use crate::robot::Panorama;
 use crate::room::Color;

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::{Encoding, PcdError};
+use super::encoding::Encoding;
+use super::error::PcdError;
 use crate::cloud::columns::Scalar;
-use crate::cloud::excerpt;
+use crate::cloud::fields::excerpt;
 
 /// What a PCD header says, as far as a cloud needs it.
 pub(super) struct Header {

@@ -6,10 +6,15 @@ use std::path::Path;
 
 use jrdb_types::PointCloud;
 
-use super::{Encoding, Header, PcdError, fill};
+use super::decode::fill;
+use super::encoding::Encoding;
+use super::error::PcdError;
+use super::header::Header;
 use crate::Error;
 use crate::cloud::columns::{ByteOrder, Growing};
-use crate::cloud::{CloudError, Fields, Reader};
+use crate::cloud::buffers::Buffers;
+use crate::cloud::error::CloudError;
+use crate::cloud::fields::Fields;
 
 /// Bytes that are read at a time, the header in the first: they stay in the second-level cache until they are decoded.
 const PIECE: usize = 1 << 17;
@@ -18,7 +23,7 @@ const PIECE: usize = 1 << 17;
 pub(in crate::cloud) fn read(
     path: &Path,
     fields: Fields,
-    Reader { bytes, block }: &mut Reader,
+    Buffers { bytes, block }: &mut Buffers,
     cloud: &mut PointCloud,
 ) -> Result<(), Error> {
     let unreadable = |source| Error::Read { path: path.into(), source };

@@ -4,7 +4,8 @@ use std::fmt::Write;
 
 use jrdb_types::PointCloud;
 
-use super::{Encoding, lzf};
+use super::encoding::Encoding;
+use super::lzf;
 
 /// The cloud as a PCD file of 4-byte floats: `x y z`, and `intensity` where the cloud has it.
 ///

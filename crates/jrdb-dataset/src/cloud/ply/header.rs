@@ -1,8 +1,15 @@
 //! The text in front of the elements: which there are, and of what they consist.
 
-use super::{Encoding, PlyError};
+use super::error::PlyError;
 use crate::cloud::columns::{ByteOrder, Scalar};
-use crate::cloud::excerpt;
+use crate::cloud::fields::excerpt;
+
+/// How the elements of a PLY file are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    Binary(ByteOrder),
+}
 
 /// What a PLY header says, as far as a cloud needs it.
 pub(super) struct Header {
