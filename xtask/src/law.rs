@@ -54,6 +54,7 @@ pub(crate) const LAW: &[Row] = &[
         &["jrdb-types", "jrdb-graph"],
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    stage("jrdb-render", "answers, traces, scores → words", &["jrdb-types"]),
     Row {
         name: "jrdb-pipeline",
         what: "composition: library and the `jrdb` command",
@@ -65,6 +66,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-calibration",
             "jrdb-graph",
             "jrdb-parser",
+            "jrdb-render",
             "jrdb-search",
             "jrdb-metrics",
         ],

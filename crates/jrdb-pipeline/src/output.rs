@@ -106,7 +106,8 @@ impl Writer {
             let config = json!(self.config.parser);
             write_artefact(&folder.join("query.json"), config, &asked.query)?;
         }
-        write_artefact(&folder.join("answer.json"), json!(self.config.search), &asked.answer)?;
+        let answer = jrdb_render::with_words(asked.answer.clone());
+        write_artefact(&folder.join("answer.json"), json!(self.config.search), &answer)?;
         self.pictures(folder, input, output, Some(asked))
     }
 
@@ -130,7 +131,8 @@ impl Writer {
     /// When the file cannot be written.
     pub fn recording(&self, index: usize, asked: &Asked) -> Result<(), Error> {
         let path = self.root.join(format!("recording_{:02}.json", index + 1));
-        write_artefact(&path, json!(self.config.search), &asked.answer)
+        let answer = jrdb_render::with_words(asked.answer.clone());
+        write_artefact(&path, json!(self.config.search), &answer)
     }
 
     /// Writes `scores.json`.

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use jrdb_graph::{GraphConfig, Hidden, Pairs};
 use jrdb_projection::relation::{from_person, from_robot};
 use jrdb_search::SearchConfig;
-use jrdb_types::answer::{Seen, SlotAnswer};
+use jrdb_types::answer::{Sighting, SlotAnswer};
 use jrdb_types::detection::Interaction;
 use jrdb_types::query::{Category, Place, Task};
 use jrdb_types::vocab::{Elevation, Occlusion, Sector};
@@ -267,7 +267,8 @@ fn labelled_boxes(label: &Value, [of_ids, of_boxes]: [&str; 2]) -> Boxes {
 }
 
 fn seen_boxes(slot: &SlotAnswer) -> Boxes {
-    let one = |seen: &Seen| (seen.id.clone(), <[f64; 4]>::from(seen.bbox).map(|side| side as i64));
+    let one =
+        |seen: &Sighting| (seen.id.clone(), <[f64; 4]>::from(seen.bbox).map(|side| side as i64));
     slot.seen.iter().map(one).collect()
 }
 

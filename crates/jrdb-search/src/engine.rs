@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use jrdb_graph::{BitSet, GraphIndex};
-use jrdb_types::answer::Seen;
+use jrdb_types::answer::Sighting;
 use jrdb_types::query::{RelationKind, Slot};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Pattern, Query, Related, SceneGraph};
@@ -62,7 +62,7 @@ pub(crate) fn pooled(
     frames: &[&GraphIndex<'_>],
     pattern: &Pattern,
     config: &SearchConfig,
-) -> Vec<Seen> {
+) -> Vec<Sighting> {
     let of = |conditions: &[Condition]| pool(frames, pattern, conditions, config);
     let mut left = of(&[]);
     for condition in &pattern.conditions {
@@ -76,7 +76,7 @@ pub(crate) fn pooled(
         let frame = index.scene().frame.frame;
         for (_, node) in index.nodes() {
             if left.remove(&unit(&node.id, node.bbox.into())) {
-                seen.push(Seen { id: node.id.clone(), frame, bbox: node.bbox });
+                seen.push(Sighting { id: node.id.clone(), frame, bbox: node.bbox });
             }
         }
     }

@@ -1,6 +1,10 @@
 //! Every condition of a pattern on every thing it may mean: truths, probabilities and witnesses, kept for the trace.
 
+use std::cell::OnceCell;
+use std::sync::Arc;
+
 use jrdb_graph::BitSet;
+use jrdb_types::answer::Criterion;
 use jrdb_types::query::Category;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
@@ -28,8 +32,22 @@ pub(crate) struct Evaluated<'q> {
 /// One condition on every thing, and what it consists of.
 pub(crate) struct Column<'q> {
     pub(crate) condition: &'q Condition,
+    /// The condition for the traces, which share it; made for the first.
+    shared: OnceCell<Arc<Condition>>,
     pub(crate) values: Vec<Value>,
     pub(crate) inner: Inner<'q>,
+}
+
+impl<'q> Column<'q> {
+    fn new(condition: &'q Condition, values: Vec<Value>, inner: Inner<'q>) -> Self {
+        Self { condition, shared: OnceCell::new(), values, inner }
+    }
+
+    /// The condition as a trace holds it.
+    pub(crate) fn criterion(&self) -> Criterion {
+        let shared = self.shared.get_or_init(|| Arc::new(self.condition.clone()));
+        Criterion::Condition(Arc::clone(shared))
+    }
 }
 
 /// What a condition consists of.
@@ -214,7 +232,7 @@ impl Searcher<'_, '_> {
                 Inner::Leaf
             }
         };
-        Column { condition, values, inner }
+        Column::new(condition, values, inner)
     }
 
     fn robot_place_value(&self, number: usize, asked: &jrdb_types::Place) -> Value {
@@ -264,7 +282,7 @@ impl Searcher<'_, '_> {
                 }
             };
         }
-        Column { condition, values, inner: Inner::Relation { kinds, partner } }
+        Column::new(condition, values, Inner::Relation { kinds, partner })
     }
 
     /// How many partners there are, how probably as many as asked, and the best of them: one that holds before one that

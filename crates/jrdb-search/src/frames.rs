@@ -6,8 +6,9 @@ mod track;
 use std::collections::BTreeSet;
 
 use jrdb_graph::{BitSet, GraphIndex};
-use jrdb_types::answer::{Ranked, Reply, Seen, SlotAnswer, Told};
+use jrdb_types::answer::{PropertyValue, PropertyValues, Ranked, Reply, Sighting, SlotAnswer};
 use jrdb_types::issue::IssueKind;
+use jrdb_types::query::Property;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{
     Answer, EntityId, FrameId, Issue, LateralConvention, Pattern, Query, SceneGraph, Task,
@@ -95,23 +96,18 @@ pub(crate) fn answer(
         slot_answers.clear();
     }
     let first = frames.first().map(|index| index.scene());
-    Answer {
-        frame: first.map_or_else(FrameId::default, |scene| scene.frame.clone()),
-        question: query.text.clone(),
-        task: query.task.clone(),
-        policy: config.policy,
-        lateral: first.map_or_else(LateralConvention::default, |scene| scene.lateral),
-        reply,
-        ranking: ranking(&tracks, &selected, config),
-        trace: tracks
-            .iter()
-            .map(|t| t.trace(&searchers, &plans, &moments, selected.contains(t.id)))
-            .collect(),
-        slots: slot_answers,
-        sensitivity: Vec::new(),
-        issues: issues(&searchers, &plans, query),
-        selection: selected.into_iter().collect(),
-    }
+    let frame = first.map_or_else(FrameId::default, |scene| scene.frame.clone());
+    let lateral = first.map_or_else(LateralConvention::default, |scene| scene.lateral);
+    let is_selected = |track: &Track<'_>| selected.contains(track.id);
+    let trace = tracks.iter().map(|t| t.trace(&searchers, &plans, &moments, is_selected(t)));
+    let mut answer = Answer::new(frame, query, config.policy, lateral);
+    answer.reply = reply;
+    answer.ranking = ranking(&tracks, &selected, config);
+    answer.trace = trace.collect();
+    answer.slots = slot_answers;
+    answer.issues = issues(&searchers, &plans, query);
+    answer.selection = selected.into_iter().collect();
+    answer
 }
 
 fn moment<'q>(searcher: &Searcher<'_, '_>, frame: usize, plan: &'q Plan) -> Moment<'q> {
@@ -175,7 +171,7 @@ fn seen(
         track.slots[slot].shown().filter_map(move |(frame, number)| {
             let node = searchers[frame].index.node(number)?;
             let frame = searchers[frame].index.scene().frame.frame;
-            Some(Seen { id: node.id.clone(), frame, bbox: node.bbox })
+            Some(Sighting { id: node.id.clone(), frame, bbox: node.bbox })
         })
     });
     SlotAnswer { seen: seen.collect() }
@@ -202,41 +198,42 @@ fn reply(
             let others = answer(frames, Some(&slots), &others, &config).number().unwrap_or(0);
             Reply::YesNo(reply::compare(count, *order, others))
         }
-        Task::Where => Reply::Told(
+        Task::Where => Reply::Properties(
             meant()
                 .filter_map(|t| t.shown().next())
                 .filter_map(|(f, n)| reply::place(&searchers[f], n))
                 .collect(),
         ),
         Task::Which { properties, .. } => {
-            let told = meant().flat_map(|track| {
+            let properties = meant().flat_map(|track| {
                 properties.iter().map(|&property| {
-                    let told = track.all_frames().into_iter();
-                    let told =
-                        told.filter_map(|(f, n)| reply::property_of(&searchers[f], n, property));
-                    over_time(track.id, property, told)
+                    let frames = track.all_frames().into_iter();
+                    let moments =
+                        frames.filter_map(|(f, n)| reply::property_of(&searchers[f], n, property));
+                    over_time(track.id, property, moments)
                 })
             });
-            Reply::Told(told.collect())
+            Reply::Properties(properties.collect())
         }
     }
 }
 
-/// The values in the order of time, each once until it changes.
+/// The values in the order of time, each once until it changes by more than an answer states.
 fn over_time(
     id: &EntityId,
-    property: jrdb_types::query::Property,
-    told: impl Iterator<Item = Told>,
-) -> Told {
-    let mut words: Vec<String> = Vec::new();
-    let mut last = Vec::new();
-    for moment in told {
-        if moment.words != last && !moment.words.is_empty() {
-            words.extend(moment.words.iter().cloned());
-            last = moment.words;
+    property: Property,
+    moments: impl Iterator<Item = PropertyValues>,
+) -> PropertyValues {
+    let (mut values, mut last) = (Vec::new(), Vec::new());
+    for moment in moments {
+        let rounded: Vec<PropertyValue> =
+            moment.values.iter().map(PropertyValue::rounded).collect();
+        if rounded != last && !rounded.is_empty() {
+            values.extend(moment.values);
+            last = rounded;
         }
     }
-    Told { id: id.clone(), property: Some(property), words }
+    PropertyValues { id: id.clone(), property: Some(property), values, words: Vec::new() }
 }
 
 /// What no frame can give, and what slots there are no frames for.

@@ -309,11 +309,15 @@ impl Searcher<'_, '_> {
     }
 
     fn does(&self, subject: usize, partner: usize, asked: &str) -> bool {
-        self.deeds(subject, partner).any(|label| label == asked)
+        self.interactions(subject, partner).any(|label| label == asked)
     }
 
     /// What the subject does with the partner.
-    pub(crate) fn deeds(&self, subject: usize, partner: usize) -> impl Iterator<Item = &str> {
+    pub(crate) fn interactions(
+        &self,
+        subject: usize,
+        partner: usize,
+    ) -> impl Iterator<Item = &str> {
         let edges = self.index.outgoing(subject).with(partner as u32).edges;
         edges.iter().filter_map(|&edge| match self.index.relation(edge) {
             EdgeRelation::Interaction { label } => Some(label.as_str()),
@@ -324,7 +328,7 @@ impl Searcher<'_, '_> {
     /// Whether they do anything together, whoever does it with whom, or are next to each other.
     pub(crate) fn with_truth(&self, subject: usize, partner: usize) -> Truth {
         let both = [(subject, partner), (partner, subject)];
-        if both.into_iter().any(|(a, b)| self.deeds(a, b).next().is_some()) {
+        if both.into_iter().any(|(a, b)| self.interactions(a, b).next().is_some()) {
             return Truth::Yes;
         }
         self.word(subject, partner, PairWord::Adjacent)

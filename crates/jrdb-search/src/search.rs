@@ -45,22 +45,14 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
         let (id, selected) = (index.id(number)?, selection.contains(number));
         Some(searcher.trace(id, number, &evaluated, picked.as_ref(), selected))
     });
-    let mut all_issues = query.issues.clone();
-    all_issues.extend(issues::of(&searcher, query));
-    Answer {
-        frame: index.scene().frame.clone(),
-        question: query.text.clone(),
-        task: query.task.clone(),
-        policy: config.policy,
-        lateral: searcher.lateral(),
-        reply: reply::reply(&searcher, query, &selection),
-        ranking: ranking(&searcher, query, &evaluated, &selection),
-        trace: trace.collect(),
-        slots: Vec::new(),
-        sensitivity: Vec::new(),
-        issues: all_issues,
-        selection: ids(index, &selection),
-    }
+    let frame = index.scene().frame.clone();
+    let mut answer = Answer::new(frame, query, config.policy, searcher.lateral());
+    answer.reply = reply::reply(&searcher, query, &selection);
+    answer.ranking = ranking(&searcher, query, &evaluated, &selection);
+    answer.trace = trace.collect();
+    answer.selection = ids(index, &selection);
+    answer.issues.extend(issues::of(&searcher, query));
+    answer
 }
 
 /// The numbers of the things that [`search`] selects, without reasons; a question's slots are not looked at.

@@ -6,7 +6,7 @@ mod number;
 use std::collections::BTreeMap;
 
 use jrdb_graph::GraphIndex;
-use jrdb_types::answer::{Change, Check, Effect, Measured, Unit};
+use jrdb_types::answer::{Change, Check, Criterion, Effect, Measured, Unit};
 use jrdb_types::query::{Category, Interval, Measure, RelationKind, Viewpoint};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Query, SceneGraph};
@@ -96,7 +96,7 @@ fn size(change: &Change) -> f64 {
 /// A number that could change.
 struct Proposal {
     number: Number,
-    asked: String,
+    criterion: Criterion,
     witness: Option<EntityId>,
     measured: Measured,
     holds: bool,
@@ -168,7 +168,7 @@ fn add(number: Number, witness: Option<&EntityId>, check: &Check, found: &mut Ve
     if measured.unit == number.unit() {
         found.push(Proposal {
             number,
-            asked: check.asked.clone(),
+            criterion: check.criterion.clone(),
             witness: witness.cloned(),
             measured,
             holds: check.holds,
@@ -356,7 +356,8 @@ fn told(
     Change {
         id: id.clone(),
         effect: if selected { Effect::Leaves } else { Effect::Enters },
-        condition: proposal.asked.clone(),
+        words: String::new(),
+        criterion: proposal.criterion.clone(),
         witness: proposal.witness.clone(),
         measured: measured(now, unit, bounds),
         to,

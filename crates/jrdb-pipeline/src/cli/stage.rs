@@ -74,7 +74,8 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
     });
-    let summary = lines.chain(report::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
+    let summary =
+        lines.chain(jrdb_render::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(perceiver.config().clone(), &detections, &summary)
 }
 
@@ -126,7 +127,7 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
             format!("{} at {x:.2} {y:.2} {z:.2} m from {} points", e.id, p.points_used)
         }
     });
-    let summary = lines.chain(report::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
+    let summary = lines.chain(jrdb_render::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(json!(config.projection), &entities, &summary)
 }
 
@@ -167,7 +168,7 @@ pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
     let summary = if args.explain {
         jrdb_parser::explain(&text, &query)
     } else {
-        for line in report::notes(&query.issues) {
+        for line in jrdb_render::notes(&query.issues) {
             eprintln!("{line}");
         }
         notation::write(&query)
@@ -215,7 +216,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
         answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config);
     }
     let summary = report::answer(&query, &answer, args.answers.why_not.as_ref());
-    args.output.give(json!(config), &answer, summary.trim_end())
+    args.output.give(json!(config), &jrdb_render::with_words(answer), summary.trim_end())
 }
 
 #[derive(Debug, Args)]
@@ -258,5 +259,5 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
     args.iou.apply(&mut config);
     config.metrics.period_px = Some(args.period_px);
     let scores = jrdb_metrics::evaluate(&outcomes, &config.metrics);
-    args.output.give(json!(config.metrics), &scores, &report::scores_text(&scores))
+    args.output.give(json!(config.metrics), &scores, &jrdb_render::scores(&scores))
 }

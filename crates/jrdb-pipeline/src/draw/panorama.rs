@@ -41,7 +41,7 @@ fn strip(canvas: &mut Canvas, asked: &Asked) {
     canvas.text(&asked.question.text, [16.0, 8.0], Letters::Huge, WHITE);
     let answer = &asked.answer;
     let count = match &answer.reply {
-        Reply::Things | Reply::Told(_) => String::new(),
+        Reply::Things | Reply::Properties(_) => String::new(),
         Reply::Number(number) => format!("{number}: "),
         Reply::YesNo(true) => "yes: ".into(),
         Reply::YesNo(false) => "no: ".into(),
