@@ -1,16 +1,19 @@
 #![doc = include_str!("../README.md")]
 
 mod attribute;
+mod benchmark;
 mod between;
+mod candidates;
 mod config;
-mod engine;
 mod evaluate;
+mod evaluation;
 mod frames;
 mod geometry;
 mod group;
 mod issues;
 mod link;
 mod measure;
+mod observer;
 mod place;
 mod probability;
 mod ranked;
@@ -25,8 +28,7 @@ mod tests;
 mod trace;
 mod value;
 
+pub use benchmark::benchmark_sub_answer;
 pub use config::{Existentials, Pooling, SearchConfig, SlotOrder};
-pub use engine::engine_sub_answer;
-pub use frames::search_frames;
-pub use search::{search, search_indexed, select};
+pub use search::{search, search_frames, search_indexed, select};
 pub use sensitivity::sensitivity;

@@ -7,7 +7,7 @@ use jrdb_types::answer::{
 use jrdb_types::query::{Order, Property};
 use jrdb_types::{AttributeBelief, Node, Query, SpatialRelation, Task};
 
-use crate::search::by_sets;
+use crate::candidates::by_sets;
 use crate::searcher::Searcher;
 
 /// The reply, given who is meant.
@@ -24,12 +24,12 @@ pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitS
             Reply::Properties(selection.iter().filter_map(|n| place(searcher, n)).collect())
         }
         Task::Which { properties, .. } => {
-            let told = selection.iter().flat_map(|number| {
+            let values = selection.iter().flat_map(|number| {
                 properties
                     .iter()
                     .filter_map(move |property| property_of(searcher, number, *property))
             });
-            Reply::Properties(told.collect())
+            Reply::Properties(values.collect())
         }
     }
 }

@@ -10,10 +10,10 @@ use jrdb_types::query::{Interval, Order, Pick, Place, RelationKind, Viewpoint};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, EntityId, Quantity, Related, SpatialRelation};
 
-use crate::evaluate::{Column, Evaluated, Inner};
-use crate::link::{Kinds, Link, Partner};
-use crate::measure::{Comparison, in_order, unit};
-use crate::searcher::{Searcher, is_distance};
+use crate::evaluation::{Column, Comparison, Evaluated, Inner, Kinds, Link, Partner};
+use crate::measure::{in_order, unit};
+use crate::place::is_distance;
+use crate::searcher::Searcher;
 use crate::value::{NOBODY, Truth, Value};
 use crate::{attribute, measure, place};
 
@@ -179,16 +179,16 @@ impl Searcher<'_, '_> {
         match kind {
             RelationKind::Placed { place: asked, viewpoint } => {
                 let from_robot = *viewpoint == Viewpoint::Robot && !is_distance(asked);
-                let (relation, view) = if from_robot {
-                    (self.beside(subject, partner, asked).map(|(r, _)| r), self.robot_view())
+                let (relation, observer) = if from_robot {
+                    (self.beside(subject, partner, asked).map(|(r, _)| r), self.robot_observer())
                 } else {
-                    (self.edge_for(subject, partner, kinds, *viewpoint), self.person_view())
+                    (self.edge_for(subject, partner, kinds, *viewpoint), self.person_observer())
                 };
                 let Some(relation) = relation else { return base };
                 Check {
                     finding: place_found(asked, &relation),
                     holds: place::truth(asked, &relation).holds(),
-                    probability: place::probability(asked, &relation, &view),
+                    probability: place::probability(asked, &relation, &observer),
                     measured: place::measure(asked, &relation, self.lateral()),
                     ..base
                 }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use jrdb_graph::GraphIndex;
+use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::query::{Pick, Slot};
 use jrdb_types::{Condition, Pattern, Query};
 
 use crate::SearchConfig;
+use crate::evaluation::Evaluated;
 
 /// One slot, made ready.
 pub(super) struct Plan {
@@ -18,6 +19,15 @@ pub(super) struct Plan {
     /// Whether it must hold in most of the frames, or in any.
     pub(super) lasts: bool,
     pub(super) slot: Arc<Slot>,
+}
+
+/// One frame of a slot, evaluated.
+pub(super) struct Moment<'q> {
+    /// Place of the frame in the recording.
+    pub(super) frame: usize,
+    pub(super) evaluated: Evaluated<'q>,
+    /// What matches, the pick included.
+    pub(super) holds: BitSet,
 }
 
 /// The slots of a question; the whole recording where it has none.

@@ -6,8 +6,7 @@ use std::sync::Arc;
 use jrdb_types::answer::{CandidateTrace, Check, Criterion, Finding, Unit};
 use jrdb_types::{EntityId, PixelBox};
 
-use super::Moment;
-use super::plan::Plan;
+use super::plan::{Moment, Plan};
 use crate::config::SlotOrder;
 use crate::place;
 use crate::searcher::Searcher;

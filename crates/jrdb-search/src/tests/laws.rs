@@ -26,7 +26,7 @@ proptest! {
     fn sets_and_traces_agree(seed: u64, question: u64) {
         let (scene, query) = (scene(seed, Beliefs::Mixed), asked::random(&mut Random(question)));
         let index = GraphIndex::new(&scene);
-        let engine = SearchConfig::engine();
+        let engine = SearchConfig::benchmark();
         for config in POLICIES.map(under).into_iter().chain([engine]) {
             let by_sets: Vec<EntityId> =
                 select(&index, &query, &config).iter().filter_map(|n| index.id(n)).cloned().collect();

@@ -99,7 +99,7 @@ fn the_engine_counts_boxes_and_leaves_out_what_nobody_does() {
     let frames = recording(&[&[Some(Walking); 3], &[Some(Walking), None, Some(Running)]]);
     let query = Query { task: Task::Count, ..when(vec![does(None, Walking)]) };
     let slots = [vec![0, 1, 2]];
-    let engine = SearchConfig::engine();
+    let engine = SearchConfig::benchmark();
     let answer = search_frames(&frames, Some(&slots), &query, &engine);
     // Everybody moves a pixel a frame: three boxes of 1, one of 2.
     assert_eq!((answer.number(), found(&answer)), (Some(4), vec![1, 2]));

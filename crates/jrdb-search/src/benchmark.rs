@@ -10,8 +10,8 @@ use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Pattern, Query, Related, SceneGraph};
 
 use crate::SearchConfig;
+use crate::candidates::{by_sets, ids as ids_of};
 use crate::config::{Existentials, Pooling};
-use crate::search::by_sets;
 use crate::searcher::Searcher;
 
 /// The engine's unit: a thing with one box, so that whoever moves counts once per box. The box as its bits.
@@ -28,13 +28,13 @@ pub(crate) fn pools(config: &SearchConfig) -> bool {
 /// `frames` are the slot's. Unlike for a whole question, a condition that nobody satisfies leaves nobody.
 ///
 /// ```
-/// use jrdb_search::{SearchConfig, engine_sub_answer};
+/// use jrdb_search::{SearchConfig, benchmark_sub_answer};
 /// use jrdb_types::{Condition, Gender};
-/// let women = engine_sub_answer(&[], &[Condition::has(Gender::Female)], &SearchConfig::engine());
+/// let women = benchmark_sub_answer(&[], &[Condition::has(Gender::Female)], &SearchConfig::benchmark());
 /// assert!(women.is_empty());
 /// ```
 #[must_use]
-pub fn engine_sub_answer(
+pub fn benchmark_sub_answer(
     frames: &[&SceneGraph],
     conditions: &[Condition],
     config: &SearchConfig,
@@ -45,7 +45,7 @@ pub fn engine_sub_answer(
         let pattern = Pattern { conditions: conditions.to_vec(), ..Pattern::default() };
         let found = indices.iter().flat_map(|index| {
             let searcher = Searcher::new(index, &config.with(MatchPolicy::Strict));
-            crate::search::ids(index, &by_sets(&searcher, &pattern))
+            ids_of(index, &by_sets(&searcher, &pattern))
         });
         found.collect()
     };
