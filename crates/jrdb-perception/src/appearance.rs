@@ -210,8 +210,8 @@ mod tests {
         let found = appearance.describe(&dressed(), &person([185.0, 10.0, 30.0, 80.0])).unwrap();
         assert_eq!(found.upper_color(), Belief::certain(Color::Red));
         assert_eq!(found.lower_color(), Belief::certain(Color::Blue));
-        assert_eq!(found.action.best(), Some(Action::Standing));
-        assert!(found.gender.is_unknown() && found.age.is_unknown() && found.facing.is_unknown());
+        assert_eq!(found.action().best(), Some(Action::Standing));
+        assert!(found.gender().is_unknown() && found.age().is_unknown() && found.facing.is_unknown());
     }
 
     #[test]
