@@ -66,6 +66,7 @@ pub(crate) const LAW: &[Row] = &[
         &["jrdb-types", "jrdb-graph"],
     ),
     stage("jrdb-metrics", "answers and truth → scores", &["jrdb-types"]),
+    stage("jrdb-render", "answers, traces, scores → words", &["jrdb-types"]),
     stage(
         "jrdb-pipeline",
         "what people embed: a frame in, a scene that answers questions out",
@@ -118,6 +119,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-calibration",
             "jrdb-graph",
             "jrdb-parser",
+            "jrdb-render",
             "jrdb-search",
             "jrdb-metrics",
             "jrdb-pipeline",

@@ -109,7 +109,8 @@ impl Writer {
             let config = json!(self.config.parser);
             write_artefact(&folder.join("query.json"), config, &*answered.query)?;
         }
-        write_artefact(&folder.join("answer.json"), json!(self.config.search), answer)?;
+        let worded = jrdb_render::with_words(answer.clone());
+        write_artefact(&folder.join("answer.json"), json!(self.config.search), &worded)?;
         pictures(folder, view, Some(Caption { question, answer }))
     }
 
@@ -119,7 +120,8 @@ impl Writer {
     /// When the file cannot be written.
     pub fn recording(&self, index: usize, answered: &Answered) -> Result<(), Error> {
         let path = self.root.join(format!("recording_{:02}.json", index + 1));
-        write_artefact(&path, json!(self.config.search), &answered.answer)
+        let answer = jrdb_render::with_words(answered.answer.clone());
+        write_artefact(&path, json!(self.config.search), &answer)
     }
 
     /// Writes `scores.json`.

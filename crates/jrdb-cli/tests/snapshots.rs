@@ -33,7 +33,7 @@ fn frame_stage(output: &FrameOutput, stage: &str) -> Value {
         "entities" => json!(output.scene.entities()),
         "scene_graph" => json!(output.scene.graph()),
         "queries" => asked(&|asked| json!(*asked.query)),
-        "answers" => asked(&|asked| json!(asked.answer)),
+        "answers" => asked(&|asked| json!(jrdb_render::with_words(asked.answer.clone()))),
         other => panic!("{other} is no stage of a frame"),
     }
 }

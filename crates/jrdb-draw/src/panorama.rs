@@ -39,7 +39,7 @@ pub fn draw_panorama(frame: &FrameView<'_>, caption: Option<Caption<'_>>) -> Ima
 fn strip(canvas: &mut Canvas, Caption { question, answer }: Caption<'_>) {
     canvas.text(question, [16.0, 8.0], Letters::Huge, WHITE);
     let count = match &answer.reply {
-        Reply::Things | Reply::Told(_) => String::new(),
+        Reply::Things | Reply::Properties(_) => String::new(),
         Reply::Number(number) => format!("{number}: "),
         Reply::YesNo(true) => "yes: ".into(),
         Reply::YesNo(false) => "no: ".into(),

@@ -82,7 +82,8 @@ pub fn chain<'g>(
     let place = |id: &EntityId| network.node_indices().find(|&place| network[place].id == *id);
     let (from, to) = (place(from)?, place(to)?);
     let step = |edge: &Edge| cost(&edge.relation).filter(|cost| *cost >= 0.0);
-    let walkable = network.filter_map(|_, node| Some(*node), |_, edge| step(edge).map(|c| (*edge, c)));
+    let walkable =
+        network.filter_map(|_, node| Some(*node), |_, edge| step(edge).map(|c| (*edge, c)));
     let (_, nodes) = astar(&walkable, from, |node| node == to, |edge| edge.weight().1, |_| 0.0)?;
     let cheapest = |pair: &[NodeIndex]| {
         let between = walkable.edges_connecting(pair[0], pair[1]);
@@ -174,7 +175,8 @@ mod tests {
             move |relation: &EdgeRelation| cost(relation).is_some()
         };
         let scene = row();
-        let sizes = |limit_m| groups(&scene, near(limit_m)).iter().map(Vec::len).collect::<Vec<_>>();
+        let sizes =
+            |limit_m| groups(&scene, near(limit_m)).iter().map(Vec::len).collect::<Vec<_>>();
         assert_eq!((sizes(0.5), sizes(1.5), sizes(5.0)), (vec![1; 4], vec![3, 1], vec![4]));
     }
 
@@ -187,7 +189,11 @@ mod tests {
         };
         assert_eq!(steps(5.0), Some(vec![3, 4]));
         assert_eq!(steps(1.5), None);
-        assert_eq!(chain(&scene, &id(4), &id(1), metres_within(9.0)), None, "edges have directions");
+        assert_eq!(
+            chain(&scene, &id(4), &id(1), metres_within(9.0)),
+            None,
+            "edges have directions"
+        );
         assert_eq!(chain(&scene, &id(2), &id(2), metres_within(9.0)), Some(Vec::new()));
         assert_eq!(chain(&scene, &id(2), &id(9), metres_within(9.0)), None, "not a node");
     }

@@ -203,7 +203,7 @@ fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jrdb_types::answer::{Ranked, Reply, Seen, SlotAnswer};
+    use jrdb_types::answer::{Ranked, Reply, Sighting, SlotAnswer};
     use jrdb_types::vocab::MatchPolicy;
     use jrdb_types::{FrameId, LateralConvention, Task};
     use proptest::prelude::*;
@@ -261,7 +261,7 @@ mod tests {
     fn of_a_recording_the_boxes_of_the_first_slot_count() {
         let question = question("video", &[1, 1]);
         let mut answer = answer(&[1], &[]);
-        let seen = |frame| Seen { id: id(1), frame, bbox: at(100.0) };
+        let seen = |frame| Sighting { id: id(1), frame, bbox: at(100.0) };
         answer.slots = vec![SlotAnswer { seen: vec![seen(0), seen(1)] }, SlotAnswer::default()];
         let scores = evaluate(
             &[Outcome { question: &question, answer: &answer }],

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use jrdb_graph::{GraphConfig, Hidden, Pairs};
 use jrdb_projection::relation::{from_person, from_robot};
 use jrdb_search::SearchConfig;
-use jrdb_types::answer::{Seen, SlotAnswer};
+use jrdb_types::answer::{Sighting, SlotAnswer};
 use jrdb_types::detection::Interaction;
 use jrdb_types::query::{Category, Place, Task};
 use jrdb_types::vocab::{Elevation, Occlusion, Sector};
@@ -17,7 +17,7 @@ use jrdb_types::*;
 use serde_json::Value;
 use shared::shared;
 
-const ENGINE: LateralConvention = LateralConvention::EngineHead;
+const ENGINE: LateralConvention = LateralConvention::BenchmarkMirrored;
 
 /// Categories whose graphs hold one frame and people only.
 const SINGLE_FRAME: &str = "single-frame";
@@ -217,7 +217,7 @@ fn shown(graph: &SceneGraph) -> Vec<String> {
 fn answer(graph: &SceneGraph, question: &str) -> Answer {
     let query = jrdb_parser::parse(question);
     assert_eq!(query.issues, [], "{question}");
-    jrdb_search::search(graph, &query, &SearchConfig::engine())
+    jrdb_search::search(graph, &query, &SearchConfig::benchmark())
 }
 
 fn ids(value: &Value) -> BTreeSet<EntityId> {
@@ -267,7 +267,8 @@ fn labelled_boxes(label: &Value, [of_ids, of_boxes]: [&str; 2]) -> Boxes {
 }
 
 fn seen_boxes(slot: &SlotAnswer) -> Boxes {
-    let one = |seen: &Seen| (seen.id.clone(), <[f64; 4]>::from(seen.bbox).map(|side| side as i64));
+    let one =
+        |seen: &Sighting| (seen.id.clone(), <[f64; 4]>::from(seen.bbox).map(|side| side as i64));
     slot.seen.iter().map(one).collect()
 }
 
@@ -312,7 +313,7 @@ fn ask_as_the_engine(question: &Value, graph: &Value, [read, answers, subs]: [&m
         |label: &&Value| label["image_ids"].as_array().unwrap().iter().map(place).collect();
     let frames: Vec<Vec<usize>> = labels.iter().map(covered).collect();
     let answer =
-        jrdb_search::search_frames(&recording, Some(&frames), &query, &SearchConfig::engine());
+        jrdb_search::search_frames(&recording, Some(&frames), &query, &SearchConfig::benchmark());
     let number = labels[0]["final_answer"].as_u64().and_then(|n| usize::try_from(n).ok());
     for (slot, label) in labels.iter().enumerate() {
         let of_everybody = text(question, "category") == Some("human");
@@ -332,7 +333,7 @@ fn ask_as_the_engine(question: &Value, graph: &Value, [read, answers, subs]: [&m
             let conditions: Vec<Condition> =
                 attributes.map(|attribute| condition(&query, slot, attribute)).collect();
             let found =
-                jrdb_search::engine_sub_answer(&shown, &conditions, &SearchConfig::engine());
+                jrdb_search::benchmark_sub_answer(&shown, &conditions, &SearchConfig::benchmark());
             let found: BTreeSet<EntityId> = found.into_iter().collect();
             let wanted = ids(&target["target_ID"]);
             subs.count(found == wanted, || {

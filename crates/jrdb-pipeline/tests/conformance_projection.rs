@@ -77,7 +77,7 @@ fn benchmark_word(direction: jrdb_types::Direction) -> String {
 #[test]
 fn conformance_geometry_words() {
     let Some(rows) = table("goldens/jrdb_reasoning/geometry_table.csv") else { return };
-    let engine = LateralConvention::EngineHead;
+    let engine = LateralConvention::BenchmarkMirrored;
     let mut compared: BTreeMap<String, usize> = BTreeMap::new();
     for row in &rows {
         let kind = row["kind"].as_str();

@@ -1,7 +1,7 @@
 //! What is believed of a thing, against what is asked.
 
-use jrdb_types::answer::{Measured, Unit};
-use jrdb_types::{AttributeBelief, AttributeValue, Attributes};
+use jrdb_types::answer::{Finding, Measured, Unit};
+use jrdb_types::{Attribute, AttributeBelief, AttributeValue, Attributes};
 
 use crate::place::{interval, measured};
 use crate::value::{Truth, Value};
@@ -31,6 +31,13 @@ fn smoothed(belief: AttributeBelief<'_>, asked: AttributeValue, neighbor: f64) -
     let steps = |value: AttributeValue| value.index().abs_diff(asked.index()) as i32;
     let each = belief.entries().iter().map(|&(value, p)| p * neighbor.powi(steps(value)));
     each.fold(0.0, f64::max)
+}
+
+/// The most probable value of an attribute, with its probability.
+pub(crate) fn finding(known: &Attributes, attribute: Attribute) -> Option<Finding> {
+    let belief = known.belief(attribute);
+    let value = belief.best()?;
+    Some(Finding::Attribute { value, probability: belief.probability(value) })
 }
 
 /// The asked value's probability and where it draws level with its strongest rival, if the two trade probability.

@@ -1,7 +1,7 @@
 //! Who is between two things, or between the robot and one.
 
+use crate::evaluation::{Link, Partner};
 use crate::geometry::along;
-use crate::link::{Link, Partner};
 use crate::probability::of_offset;
 use crate::searcher::Searcher;
 use crate::value::Truth;

@@ -97,7 +97,7 @@ impl Default for SearchConfig {
 impl SearchConfig {
     /// What JRDB-Reasoning's engine does: its answers are the benchmark's ground truth.
     #[must_use]
-    pub fn engine() -> Self {
+    pub fn benchmark() -> Self {
         Self {
             policy: MatchPolicy::Strict,
             existentials: Existentials::Independent,

@@ -5,87 +5,12 @@ use jrdb_types::query::Category;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
 
-use crate::link::{Kinds, Link, Partner};
-use crate::measure::Comparison;
+use crate::evaluation::{Column, Evaluated, Inner, Kinds, Link, Partner, Verdict};
 use crate::place;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
 use crate::value::{NOBODY, Truth, Value};
 use crate::{attribute, ranked};
-
-/// A pattern, evaluated.
-pub(crate) struct Evaluated<'q> {
-    pub(crate) pattern: &'q Pattern,
-    /// Things of its kind.
-    pub(crate) kind: BitSet,
-    pub(crate) columns: Vec<Column<'q>>,
-    /// By number; of other kinds nothing passes.
-    pub(crate) verdicts: Vec<Verdict>,
-    /// Those that pass, its pick included.
-    pub(crate) passed: BitSet,
-}
-
-/// One condition on every thing, and what it consists of.
-pub(crate) struct Column<'q> {
-    pub(crate) condition: &'q Condition,
-    pub(crate) values: Vec<Value>,
-    pub(crate) inner: Inner<'q>,
-}
-
-/// What a condition consists of.
-pub(crate) enum Inner<'q> {
-    Leaf,
-    Relation { kinds: Kinds<'q>, partner: Partner<'q> },
-    Comparison(Comparison),
-    Pattern(Box<Evaluated<'q>>),
-    Parts(Vec<Column<'q>>),
-}
-
-/// What checking every condition of a pattern on one thing came to.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Verdict {
-    /// Enough attributes hold (the paper's phase 1).
-    pub(crate) passed_attributes: bool,
-    /// Every relation holds (the paper's phase 2).
-    pub(crate) passed_relations: bool,
-    /// Whether it matches hangs on what is unknown: under `ranked`, whether strictly.
-    pub(crate) undecided: bool,
-    /// Conditions that hold, those of the witnesses included.
-    pub(crate) satisfied: u32,
-    /// Product of the probabilities of the conditions, as believed.
-    pub(crate) probability: f64,
-    /// The same for the ranking.
-    pub(crate) ranking: f64,
-    /// Whether a belief that is neither 0 nor 1 has a part in it.
-    pub(crate) uncertain: bool,
-}
-
-impl Verdict {
-    const OTHER_KIND: Self = Self {
-        passed_attributes: false,
-        passed_relations: false,
-        undecided: false,
-        satisfied: 0,
-        probability: 0.0,
-        ranking: 0.0,
-        uncertain: false,
-    };
-
-    pub(crate) fn passed(&self) -> bool {
-        self.passed_attributes && self.passed_relations
-    }
-}
-
-impl Evaluated<'_> {
-    /// Probabilities that a thing matches, as believed and for the ranking. With a pick only those it takes may match.
-    pub(crate) fn probabilities(&self, number: usize) -> [f64; 2] {
-        let verdict = &self.verdicts[number];
-        if self.pattern.pick.is_some() && !self.passed.contains(number) {
-            return [0.0; 2];
-        }
-        [verdict.probability, verdict.ranking]
-    }
-}
 
 impl Searcher<'_, '_> {
     /// Evaluates a pattern on everything of its kind.
@@ -111,6 +36,19 @@ impl Searcher<'_, '_> {
             evaluated.passed = self.pick(&self.meant(&evaluated), pick);
         }
         evaluated
+    }
+
+    /// Those that match a pattern, its pick included, as the policy chooses.
+    pub(crate) fn resolve(&self, pattern: &Pattern) -> BitSet {
+        if self.config.policy != MatchPolicy::Ranked {
+            return self.matches(pattern);
+        }
+        let evaluated = self.evaluate(pattern);
+        if pattern.pick.is_some() {
+            evaluated.passed
+        } else {
+            ranked::unpicked_choice(self, &evaluated)
+        }
     }
 
     /// Those that an evaluated pattern means, its pick apart, as the policy chooses.
@@ -178,7 +116,7 @@ impl Searcher<'_, '_> {
             }
             Condition::Related(related) => return self.relation_column(condition, related, within),
             Condition::Compared(compared) => {
-                let comparison = Comparison::new(self, compared);
+                let comparison = self.comparison(compared);
                 fill(&|number| Value::certain(comparison.truth(number)));
                 Inner::Comparison(comparison)
             }
@@ -214,7 +152,7 @@ impl Searcher<'_, '_> {
                 Inner::Leaf
             }
         };
-        Column { condition, values, inner }
+        Column::new(condition, values, inner)
     }
 
     fn robot_place_value(&self, number: usize, asked: &jrdb_types::Place) -> Value {
@@ -222,7 +160,7 @@ impl Searcher<'_, '_> {
         let Some(found) = node.and_then(|node| self.seen_by_robot(node)) else {
             return Value::UNKNOWN;
         };
-        let probability = place::probability(asked, &found, &self.robot_view());
+        let probability = place::probability(asked, &found, &self.robot_observer());
         Value::new(self.place_truth(number, asked), probability)
     }
 
@@ -264,7 +202,7 @@ impl Searcher<'_, '_> {
                 }
             };
         }
-        Column { condition, values, inner: Inner::Relation { kinds, partner } }
+        Column::new(condition, values, Inner::Relation { kinds, partner })
     }
 
     /// How many partners there are, how probably as many as asked, and the best of them: one that holds before one that
@@ -279,7 +217,7 @@ impl Searcher<'_, '_> {
         verdict: impl Fn(usize) -> Option<(Verdict, [f64; 2])>,
     ) -> Value {
         let (mut count, mut uncertain) = (0, false);
-        let mut perhaps = kinds.unseen(self, subject, partner, possible);
+        let mut perhaps = self.unseen_partners(subject, kinds, partner, possible);
         let mut probabilities: Vec<[f64; 2]> = Vec::new();
         let mut best: Option<((bool, u32, bool, f64), u32)> = None;
         for &other in possible {

@@ -5,56 +5,18 @@ mod track;
 
 use std::collections::BTreeSet;
 
-use jrdb_graph::{BitSet, GraphIndex};
-use jrdb_types::answer::{Ranked, Reply, Seen, SlotAnswer, Told};
+use jrdb_graph::GraphIndex;
+use jrdb_types::answer::{PropertyValue, PropertyValues, Ranked, Reply, Sighting, SlotAnswer};
 use jrdb_types::issue::IssueKind;
+use jrdb_types::query::Property;
 use jrdb_types::vocab::MatchPolicy;
-use jrdb_types::{
-    Answer, EntityId, FrameId, Issue, LateralConvention, Pattern, Query, SceneGraph, Task,
-};
+use jrdb_types::{Answer, EntityId, FrameId, Issue, LateralConvention, Pattern, Query, Task};
 
-use crate::evaluate::Evaluated;
-use crate::search::{by_sets, candidates, in_order, presupposes, search_indexed};
+use crate::candidates::{by_sets, candidates, in_order, presupposes};
 use crate::searcher::Searcher;
-use crate::{SearchConfig, engine, issues, ranked, reply};
-use plan::{Plan, plans};
+use crate::{SearchConfig, benchmark, issues, ranked, reply};
+use plan::{Moment, Plan, plans};
 use track::Track;
-
-/// Answers a question about a recording: its frames in the order of time.
-///
-/// `slots` says which of the frames (by their place in the list) each slot covers, where the caller knows. Else a slot covers the
-/// frames of its seconds, both ends included, counted from the first frame's number at
-/// [`SearchConfig::frames_per_second`]; and a slot without seconds is any moment.
-///
-/// A track matches a slot of several frames when it matches in more than half of those that it is seen in; it matches any moment when
-/// it matches in one frame. What is asked one after the other must be matched one after the other, by the earliest moments
-/// that there are, unless [`SearchConfig::order`] says otherwise. A question without slots is about the whole recording.
-///
-/// Under [`crate::Pooling::PerCondition`] every slot has the engine's answer, and the selection and number are the first slot's, as
-/// the benchmark reads them.
-#[must_use]
-pub fn search_frames(
-    frames: &[SceneGraph],
-    slots: Option<&[Vec<usize>]>,
-    query: &Query,
-    config: &SearchConfig,
-) -> Answer {
-    let indices: Vec<GraphIndex<'_>> = frames.iter().map(GraphIndex::new).collect();
-    let indices: Vec<&GraphIndex<'_>> = indices.iter().collect();
-    match indices.as_slice() {
-        [only] if slots.is_none() && query.slots.is_empty() => search_indexed(only, query, config),
-        _ => answer(&indices, slots, query, config),
-    }
-}
-
-/// One frame of a slot, evaluated.
-struct Moment<'q> {
-    /// Place of the frame in the recording.
-    frame: usize,
-    evaluated: Evaluated<'q>,
-    /// Who matches, the pick included.
-    holds: BitSet,
-}
 
 /// The answer on frames that are indexed already.
 pub(crate) fn answer(
@@ -63,7 +25,7 @@ pub(crate) fn answer(
     query: &Query,
     config: &SearchConfig,
 ) -> Answer {
-    let query = &*engine::as_asked(query, config);
+    let query = &*benchmark::as_asked(query, config);
     let plans = plans(frames, slots, query, config);
     let searchers: Vec<Searcher<'_, '_>> =
         frames.iter().map(|index| Searcher::new(index, config)).collect();
@@ -74,7 +36,7 @@ pub(crate) fn answer(
     let tracks = track::of(&searchers, &plans, &moments);
     let mut selected = select(&tracks, query, config);
     let speaks_of_time = slots.is_some() || !query.slots.is_empty();
-    let mut slot_answers = if engine::pools(config) {
+    let mut slot_answers = if benchmark::pools(config) {
         pooled(frames, &plans, config)
     } else {
         plans
@@ -83,35 +45,30 @@ pub(crate) fn answer(
             .map(|(k, _)| seen(&tracks, &searchers, k, &selected, config))
             .collect()
     };
-    if engine::pools(config) {
+    if benchmark::pools(config) {
         selected = slot_answers.first().map_or_else(BTreeSet::new, |slot| {
             slot.seen.iter().map(|seen| seen.id.clone()).collect()
         });
     }
     let units = slot_answers.first().map_or(0, |slot| slot.seen.len());
-    let count = if engine::pools(config) { units } else { selected.len() };
+    let count = if benchmark::pools(config) { units } else { selected.len() };
     let reply = reply(frames, &searchers, &plans, &tracks, &selected, count, query);
     if !speaks_of_time {
         slot_answers.clear();
     }
     let first = frames.first().map(|index| index.scene());
-    Answer {
-        frame: first.map_or_else(FrameId::default, |scene| scene.frame.clone()),
-        question: query.text.clone(),
-        task: query.task.clone(),
-        policy: config.policy,
-        lateral: first.map_or_else(LateralConvention::default, |scene| scene.lateral),
-        reply,
-        ranking: ranking(&tracks, &selected, config),
-        trace: tracks
-            .iter()
-            .map(|t| t.trace(&searchers, &plans, &moments, selected.contains(t.id)))
-            .collect(),
-        slots: slot_answers,
-        sensitivity: Vec::new(),
-        issues: issues(&searchers, &plans, query),
-        selection: selected.into_iter().collect(),
-    }
+    let frame = first.map_or_else(FrameId::default, |scene| scene.frame.clone());
+    let lateral = first.map_or_else(LateralConvention::default, |scene| scene.lateral);
+    let is_selected = |track: &Track<'_>| selected.contains(track.id);
+    let trace = tracks.iter().map(|t| t.trace(&searchers, &plans, &moments, is_selected(t)));
+    let mut answer = Answer::new(frame, query, config.policy, lateral);
+    answer.reply = reply;
+    answer.ranking = ranking(&tracks, &selected, config);
+    answer.trace = trace.collect();
+    answer.slots = slot_answers;
+    answer.issues = issues(&searchers, &plans, query);
+    answer.selection = selected.into_iter().collect();
+    answer
 }
 
 fn moment<'q>(searcher: &Searcher<'_, '_>, frame: usize, plan: &'q Plan) -> Moment<'q> {
@@ -154,7 +111,7 @@ fn ranking(
 fn pooled(frames: &[&GraphIndex<'_>], plans: &[Plan], config: &SearchConfig) -> Vec<SlotAnswer> {
     let of_slot = |plan: &Plan| {
         let frames: Vec<&GraphIndex<'_>> = plan.frames.iter().map(|&f| frames[f]).collect();
-        SlotAnswer { seen: engine::pooled(&frames, &plan.pattern, config) }
+        SlotAnswer { seen: benchmark::pooled(&frames, &plan.pattern, config) }
     };
     plans.iter().map(of_slot).collect()
 }
@@ -175,7 +132,7 @@ fn seen(
         track.slots[slot].shown().filter_map(move |(frame, number)| {
             let node = searchers[frame].index.node(number)?;
             let frame = searchers[frame].index.scene().frame.frame;
-            Some(Seen { id: node.id.clone(), frame, bbox: node.bbox })
+            Some(Sighting { id: node.id.clone(), frame, bbox: node.bbox })
         })
     });
     SlotAnswer { seen: seen.collect() }
@@ -202,41 +159,42 @@ fn reply(
             let others = answer(frames, Some(&slots), &others, &config).number().unwrap_or(0);
             Reply::YesNo(reply::compare(count, *order, others))
         }
-        Task::Where => Reply::Told(
+        Task::Where => Reply::Properties(
             meant()
                 .filter_map(|t| t.shown().next())
                 .filter_map(|(f, n)| reply::place(&searchers[f], n))
                 .collect(),
         ),
         Task::Which { properties, .. } => {
-            let told = meant().flat_map(|track| {
+            let properties = meant().flat_map(|track| {
                 properties.iter().map(|&property| {
-                    let told = track.all_frames().into_iter();
-                    let told =
-                        told.filter_map(|(f, n)| reply::property_of(&searchers[f], n, property));
-                    over_time(track.id, property, told)
+                    let frames = track.all_frames().into_iter();
+                    let moments =
+                        frames.filter_map(|(f, n)| reply::property_of(&searchers[f], n, property));
+                    over_time(track.id, property, moments)
                 })
             });
-            Reply::Told(told.collect())
+            Reply::Properties(properties.collect())
         }
     }
 }
 
-/// The values in the order of time, each once until it changes.
+/// The values in the order of time, each once until it changes by more than an answer states.
 fn over_time(
     id: &EntityId,
-    property: jrdb_types::query::Property,
-    told: impl Iterator<Item = Told>,
-) -> Told {
-    let mut words: Vec<String> = Vec::new();
-    let mut last = Vec::new();
-    for moment in told {
-        if moment.words != last && !moment.words.is_empty() {
-            words.extend(moment.words.iter().cloned());
-            last = moment.words;
+    property: Property,
+    moments: impl Iterator<Item = PropertyValues>,
+) -> PropertyValues {
+    let (mut values, mut last) = (Vec::new(), Vec::new());
+    for moment in moments {
+        let rounded: Vec<PropertyValue> =
+            moment.values.iter().map(PropertyValue::rounded).collect();
+        if rounded != last && !rounded.is_empty() {
+            values.extend(moment.values);
+            last = rounded;
         }
     }
-    Told { id: id.clone(), property: Some(property), words }
+    PropertyValues { id: id.clone(), property: Some(property), values, words: Vec::new() }
 }
 
 /// What no frame can give, and what slots there are no frames for.

@@ -89,7 +89,7 @@ mod tests {
         let behind_the_robot = beside([-4.0, -1.0, 0.0], [-4.0, 0.0, 0.0], PHYSICAL);
         assert_eq!(sector(&behind_the_robot), "left");
         assert_eq!(
-            sector(&beside([4.0, 1.0, 0.0], partner, LateralConvention::EngineHead)),
+            sector(&beside([4.0, 1.0, 0.0], partner, LateralConvention::BenchmarkMirrored)),
             "right"
         );
     }

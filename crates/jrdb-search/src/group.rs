@@ -14,13 +14,13 @@ use crate::SearchConfig;
 /// others. Of somebody without a number, a place and an edge nothing is known.
 pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option<u32>> {
     let people = index.columns().people();
-    let told = |number: usize| index.node(number).and_then(|node| node.group);
+    let labelled = |number: usize| index.node(number).and_then(|node| node.group);
     let mut counts: BTreeMap<u32, u32> = BTreeMap::new();
-    for group in people.iter().filter_map(told) {
+    for group in people.iter().filter_map(labelled) {
         *counts.entry(group).or_default() += 1;
     }
     let is_free = |number: usize| {
-        people.contains(number) && number < index.node_count() && told(number).is_none()
+        people.contains(number) && number < index.node_count() && labelled(number).is_none()
     };
     let roots = index.components(is_free, |relation| joins(relation, config));
     let mut members = vec![0; index.size()];
@@ -32,7 +32,7 @@ pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option
                     || !index.incoming(number).others.is_empty();
                 has_edge || index.node(number).is_some_and(|node| node.center.is_some())
             };
-            match told(number) {
+            match labelled(number) {
                 _ if !people.contains(number) => None,
                 Some(group) => counts.get(&group).copied(),
                 None => is_known().then(|| members[roots[number]]),

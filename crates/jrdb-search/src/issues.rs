@@ -9,6 +9,7 @@ use jrdb_types::{
     Attribute, Condition, EdgeRelation, Issue, Node, Pattern, Query, SpatialRelation, Task,
 };
 
+use crate::candidates::candidates;
 use crate::searcher::{Searcher, measured_pattern};
 
 /// What is missing, each thing once, in alphabetical order.
@@ -32,7 +33,7 @@ struct Missing<'s, 'i, 'a> {
 
 impl Missing<'_, '_, '_> {
     fn kind(&mut self, category: &Category) {
-        if crate::search::candidates(self.searcher, &Pattern::of(category.clone())).is_empty() {
+        if candidates(self.searcher, &Pattern::of(category.clone())).is_empty() {
             let things = match category {
                 Category::Person => "people",
                 Category::Object => "objects",

@@ -1,19 +1,19 @@
 #![doc = include_str!("../README.md")]
 
 mod attribute;
+mod benchmark;
 mod between;
+mod candidates;
 mod config;
-mod describe;
-mod engine;
 mod evaluate;
-mod explain;
-mod found;
+mod evaluation;
 mod frames;
 mod geometry;
 mod group;
 mod issues;
 mod link;
 mod measure;
+mod observer;
 mod place;
 mod probability;
 mod ranked;
@@ -27,14 +27,8 @@ mod sets;
 mod tests;
 mod trace;
 mod value;
-mod why_not;
-mod wording;
 
+pub use benchmark::benchmark_sub_answer;
 pub use config::{Existentials, Pooling, SearchConfig, SlotOrder};
-pub use describe::describe;
-pub use engine::engine_sub_answer;
-pub use explain::{explain, is_nearest_only};
-pub use frames::search_frames;
-pub use search::{search, search_indexed, select};
+pub use search::{search, search_frames, search_indexed, select};
 pub use sensitivity::sensitivity;
-pub use why_not::{Reason, WhyNot, why_not};

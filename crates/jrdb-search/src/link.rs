@@ -1,167 +1,14 @@
 //! What the graph says of a pair, against the relations that are asked.
 
-use jrdb_graph::BitSet;
-use jrdb_types::query::{Place, RelationKind, Viewpoint};
+use jrdb_types::query::{Place, Viewpoint};
 use jrdb_types::vocab::PairWord;
-use jrdb_types::{EdgeRelation, Node, Pattern, SpatialRelation};
+use jrdb_types::{EdgeRelation, Node, SpatialRelation};
 
-use crate::evaluate::Evaluated;
+use crate::evaluation::{Kinds, Link, Partner};
 use crate::geometry::beside;
-use crate::place;
-use crate::probability::certainty;
-use crate::searcher::{Searcher, is_distance};
+use crate::place::{self, is_distance};
+use crate::searcher::Searcher;
 use crate::value::Truth;
-
-/// Which things may be a partner.
-pub(crate) enum Partner<'q> {
-    /// The robot; not if anything is asked of it.
-    Robot(bool),
-    /// Things that match a pattern; with their probabilities where these are wanted.
-    Things {
-        passed: BitSet,
-        /// Those of which it is not known.
-        undecided: BitSet,
-        evaluated: Option<Box<Evaluated<'q>>>,
-    },
-}
-
-impl Partner<'_> {
-    pub(crate) fn passed(&self, number: usize) -> bool {
-        matches!(self, Self::Things { passed, .. } if passed.contains(number))
-    }
-
-    pub(crate) fn truth(&self, number: usize) -> Truth {
-        match self {
-            Self::Things { undecided, .. } if undecided.contains(number) => Truth::Unknown,
-            _ => Truth::of(self.passed(number)),
-        }
-    }
-
-    /// Probabilities that it matches: as believed, and for the ranking.
-    pub(crate) fn probabilities(&self, number: usize) -> [f64; 2] {
-        match self {
-            Self::Things { evaluated: Some(evaluated), .. } => evaluated.probabilities(number),
-            _ => [certainty(self.passed(number)); 2],
-        }
-    }
-}
-
-/// The relations asked of one pair, sorted by where the graph has them.
-pub(crate) struct Kinds<'q> {
-    pub(crate) asked: &'q [RelationKind],
-    /// Where the partner is from the subject, and how far they are apart: of one edge.
-    outward: Vec<Place>,
-    /// Where the subject is from the partner: of one edge.
-    inward: Vec<Place>,
-    beside: Vec<Place>,
-    words: Vec<PairWord>,
-    labels: Vec<&'q str>,
-    with: bool,
-    between: Vec<Partner<'q>>,
-}
-
-/// Whether something holds of a pair, and how probable that is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Link {
-    pub(crate) truth: Truth,
-    pub(crate) probability: f64,
-}
-
-impl Link {
-    pub(crate) const SURE: Self = Self { truth: Truth::Yes, probability: 1.0 };
-    pub(crate) const NONE: Self = Self { truth: Truth::No, probability: 0.0 };
-    pub(crate) const UNKNOWN: Self = Self { truth: Truth::Unknown, probability: 0.0 };
-
-    pub(crate) fn of(holds: bool) -> Self {
-        if holds { Self::SURE } else { Self::NONE }
-    }
-
-    /// Something that holds or not, for sure, unless it is unknown.
-    pub(crate) fn certain(truth: Truth) -> Self {
-        Self { truth, probability: certainty(truth.holds()) }
-    }
-
-    pub(crate) fn and(self, other: Self) -> Self {
-        let probability = self.probability * other.probability;
-        Self { truth: self.truth.min(other.truth), probability }
-    }
-
-    /// Whether it is the better one of two.
-    pub(crate) fn beats(self, other: Self) -> bool {
-        (self.truth, self.probability) > (other.truth, other.probability)
-    }
-}
-
-impl<'q> Kinds<'q> {
-    /// Sorts the kinds; `resolve` finds the other end of "between".
-    pub(crate) fn new(
-        asked: &'q [RelationKind],
-        resolve: impl Fn(&'q Pattern) -> Partner<'q>,
-    ) -> Self {
-        let (outward, inward, beside) = (Vec::new(), Vec::new(), Vec::new());
-        let (words, labels, between) = (Vec::new(), Vec::new(), Vec::new());
-        let with = false;
-        let mut kinds = Self { asked, outward, inward, beside, words, labels, with, between };
-        for kind in asked {
-            match kind {
-                RelationKind::Placed { place, viewpoint } => match viewpoint {
-                    Viewpoint::Partner => kinds.inward.push(*place),
-                    Viewpoint::Robot if !is_distance(place) => kinds.beside.push(*place),
-                    Viewpoint::Subject | Viewpoint::Robot => kinds.outward.push(*place),
-                },
-                RelationKind::Pair(word) => kinds.words.push(*word),
-                RelationKind::Interaction(label) => kinds.labels.push(label),
-                RelationKind::With => kinds.with = true,
-                RelationKind::Between(pattern) => kinds.between.push(resolve(pattern)),
-            }
-        }
-        kinds
-    }
-
-    /// Whether the relations are all on edges of the subject, so that only its neighbours can be partners.
-    fn is_local(&self) -> bool {
-        self.beside.is_empty() && self.between.is_empty()
-    }
-
-    pub(crate) fn between(&self) -> &[Partner<'q>] {
-        &self.between
-    }
-
-    pub(crate) fn words(&self) -> &[PairWord] {
-        &self.words
-    }
-
-    /// How many things that are not on an edge of the subject may be its partners all the same: where nothing tells its place,
-    /// everything that it need not do something with.
-    pub(crate) fn unseen(
-        &self,
-        searcher: &Searcher<'_, '_>,
-        subject: usize,
-        partner: &Partner<'_>,
-        neighbors: &[u32],
-    ) -> usize {
-        if !self.is_local() || self.has_labels() || searcher.has_place(subject) {
-            return 0;
-        }
-        let others = (0..searcher.index.size())
-            .filter(|&other| other != subject && neighbors.binary_search(&(other as u32)).is_err());
-        others.filter(|&other| partner.truth(other) != Truth::No).count()
-    }
-
-    pub(crate) fn has_labels(&self) -> bool {
-        !self.labels.is_empty()
-    }
-
-    pub(crate) fn is_with(&self) -> bool {
-        self.with
-    }
-
-    /// Places with whether the subject is the one who looks.
-    pub(crate) fn places(&self) -> impl Iterator<Item = (&Place, bool)> {
-        let outward = self.outward.iter().map(|place| (place, true));
-        outward.chain(self.inward.iter().chain(&self.beside).map(|place| (place, false)))
-    }
-}
 
 impl Searcher<'_, '_> {
     /// Numbers of things that may stand in the relations to a subject, ascending.
@@ -180,6 +27,23 @@ impl Searcher<'_, '_> {
         } else {
             found.extend((0..self.index.size() as u32).filter(|&other| other as usize != subject));
         }
+    }
+
+    /// How many things that are not on an edge of the subject may be its partners all the same: where nothing tells its place,
+    /// everything that it need not do something with.
+    pub(crate) fn unseen_partners(
+        &self,
+        subject: usize,
+        kinds: &Kinds<'_>,
+        partner: &Partner<'_>,
+        neighbors: &[u32],
+    ) -> usize {
+        if !kinds.is_local() || kinds.has_labels() || self.has_place(subject) {
+            return 0;
+        }
+        let others = (0..self.index.size())
+            .filter(|&other| other != subject && neighbors.binary_search(&(other as u32)).is_err());
+        others.filter(|&other| partner.truth(other) != Truth::No).count()
     }
 
     /// All the relations between a subject and one partner.
@@ -230,12 +94,12 @@ impl Searcher<'_, '_> {
     ) -> Option<(SpatialRelation, Link)> {
         let rows = [self.index.outgoing(subject), self.index.incoming(subject)];
         let [own, other] = if outward { rows } else { [rows[1], rows[0]] };
-        let view = self.person_view();
+        let observer = self.person_observer();
         let best = |row| {
             let edges = self.index.spatial(row).map(|relation| {
                 let links = places.iter().map(|asked| Link {
                     truth: place::truth(asked, relation),
-                    probability: place::probability(asked, relation, &view),
+                    probability: place::probability(asked, relation, &observer),
                 });
                 (*relation, links.fold(Link::SURE, Link::and))
             });
@@ -246,7 +110,7 @@ impl Searcher<'_, '_> {
             .or_else(|| only_distances.then(|| best(other.with(partner as u32))).flatten())
     }
 
-    /// The edge that a place of the pair is told by: the one that fits all places with the same viewpoint.
+    /// The edge that states a place of the pair: the one that fits all places with the same viewpoint.
     pub(crate) fn edge_for(
         &self,
         subject: usize,
@@ -267,7 +131,7 @@ impl Searcher<'_, '_> {
         asked: &Place,
     ) -> Option<(SpatialRelation, Link)> {
         let found = beside(self.center(subject)?, self.center(partner)?, self.lateral());
-        let probability = place::probability(asked, &found, &self.robot_view());
+        let probability = place::probability(asked, &found, &self.robot_observer());
         Some((found, Link { truth: place::truth(asked, &found), probability }))
     }
 
@@ -309,11 +173,15 @@ impl Searcher<'_, '_> {
     }
 
     fn does(&self, subject: usize, partner: usize, asked: &str) -> bool {
-        self.deeds(subject, partner).any(|label| label == asked)
+        self.interactions(subject, partner).any(|label| label == asked)
     }
 
     /// What the subject does with the partner.
-    pub(crate) fn deeds(&self, subject: usize, partner: usize) -> impl Iterator<Item = &str> {
+    pub(crate) fn interactions(
+        &self,
+        subject: usize,
+        partner: usize,
+    ) -> impl Iterator<Item = &str> {
         let edges = self.index.outgoing(subject).with(partner as u32).edges;
         edges.iter().filter_map(|&edge| match self.index.relation(edge) {
             EdgeRelation::Interaction { label } => Some(label.as_str()),
@@ -324,7 +192,7 @@ impl Searcher<'_, '_> {
     /// Whether they do anything together, whoever does it with whom, or are next to each other.
     pub(crate) fn with_truth(&self, subject: usize, partner: usize) -> Truth {
         let both = [(subject, partner), (partner, subject)];
-        if both.into_iter().any(|(a, b)| self.deeds(a, b).next().is_some()) {
+        if both.into_iter().any(|(a, b)| self.interactions(a, b).next().is_some()) {
             return Truth::Yes;
         }
         self.word(subject, partner, PairWord::Adjacent)

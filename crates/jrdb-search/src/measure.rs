@@ -5,9 +5,9 @@ use jrdb_types::answer::Unit;
 use jrdb_types::query::{Category, Compared, Measure, Order, Pick};
 use jrdb_types::{Attribute, Node};
 
+use crate::evaluation::Comparison;
 use crate::geometry::apart_m;
 use crate::searcher::Searcher;
-use crate::value::Truth;
 
 /// The unit of a measure.
 pub(crate) fn unit(measure: &Measure) -> Unit {
@@ -49,6 +49,12 @@ impl Searcher<'_, '_> {
         }
     }
 
+    /// A comparison, made ready.
+    pub(crate) fn comparison(&self, compared: &Compared) -> Comparison {
+        let measures = self.measures(&compared.measure);
+        Comparison { measures, than: self.resolve(&compared.than), order: compared.order }
+    }
+
     fn nearest_m(&self, number: usize, those: &BitSet) -> Option<f64> {
         let others = those.iter().filter(|&other| other != number);
         others.filter_map(|other| self.apart_m(number, other)).min_by(f64::total_cmp)
@@ -60,8 +66,8 @@ impl Searcher<'_, '_> {
             return Some(apart_m(a, b));
         }
         let rows = [self.index.outgoing(a), self.index.incoming(a)];
-        let mut told = rows.into_iter().flat_map(|row| self.index.spatial(row.with(b as u32)));
-        told.find_map(|relation| relation.distance_m)
+        let mut edges = rows.into_iter().flat_map(|row| self.index.spatial(row.with(b as u32)));
+        edges.find_map(|relation| relation.distance_m)
     }
 
     /// Those of a set that a pick takes. Ties go by id; what cannot be measured is not taken.
@@ -83,39 +89,4 @@ pub(crate) fn in_order(set: &BitSet, measures: &[Option<f64>], order: Order) -> 
         by_measure.then(a.1.cmp(&b.1))
     });
     known.into_iter().map(|(_, number)| number).collect()
-}
-
-/// A comparison, made ready: everybody's measure, and those compared with.
-pub(crate) struct Comparison {
-    pub(crate) measures: Vec<Option<f64>>,
-    pub(crate) than: BitSet,
-    order: Order,
-}
-
-impl Comparison {
-    pub(crate) fn new(searcher: &Searcher<'_, '_>, compared: &Compared) -> Self {
-        let measures = searcher.measures(&compared.measure);
-        Self { measures, than: searcher.resolve(&compared.than), order: compared.order }
-    }
-
-    /// The one of the others that is hardest to beat.
-    pub(crate) fn hardest(&self, number: usize) -> Option<(usize, f64)> {
-        let others = self.than.iter().filter(|&other| other != number);
-        let known = others.filter_map(|other| Some((other, self.measures[other]?)));
-        known.reduce(|hardest, next| {
-            let is_harder = match self.order {
-                Order::Least => next.1 < hardest.1,
-                Order::Most => next.1 > hardest.1,
-            };
-            if is_harder { next } else { hardest }
-        })
-    }
-
-    pub(crate) fn truth(&self, number: usize) -> Truth {
-        let both = self.measures[number].zip(self.hardest(number).map(|(_, value)| value));
-        Truth::of_known(both.map(|(mine, theirs)| match self.order {
-            Order::Least => mine < theirs,
-            Order::Most => mine > theirs,
-        }))
-    }
 }

@@ -6,34 +6,9 @@ use jrdb_types::vocab::{Elevation, LEVEL_RISE_MAX_M, Sector};
 use jrdb_types::{LateralConvention, SpatialRelation};
 
 use crate::geometry::near_deg;
+use crate::observer::Observer;
+use crate::probability;
 use crate::value::Truth;
-use crate::{SearchConfig, probability};
-
-/// Whose front a direction is told from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Heading {
-    /// The robot's, or a line from the robot: known.
-    OfRobot,
-    /// A person's: known as well as the configuration says.
-    OfPerson,
-}
-
-/// What a place is seen with.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct View<'c> {
-    pub(crate) lateral: LateralConvention,
-    pub(crate) heading: Heading,
-    pub(crate) config: &'c SearchConfig,
-}
-
-impl View<'_> {
-    pub(crate) fn heading_sigma_rad(&self) -> f64 {
-        match self.heading {
-            Heading::OfRobot => 0.0,
-            Heading::OfPerson => self.config.heading_sigma_rad,
-        }
-    }
-}
 
 /// Whether a place is as asked: words by words, numbers by numbers.
 pub(crate) fn truth(place: &Place, found: &SpatialRelation) -> Truth {
@@ -48,16 +23,21 @@ pub(crate) fn truth(place: &Place, found: &SpatialRelation) -> Truth {
     })
 }
 
+/// Whether a place only states how far something is.
+pub(crate) fn is_distance(place: &Place) -> bool {
+    matches!(place, Place::Distance(_) | Place::Metres(_))
+}
+
 /// How probable it is that a place is as asked; 0 where nothing is known.
-pub(crate) fn probability(place: &Place, found: &SpatialRelation, view: &View<'_>) -> f64 {
+pub(crate) fn probability(place: &Place, found: &SpatialRelation, observer: &Observer<'_>) -> f64 {
     match place {
-        Place::Distance(word) => probability::of_distance(found, *word, view),
-        Place::Direction(word) => probability::of_direction(found, *word, view),
-        Place::Metres(interval) => {
-            found.distance_m.map_or(0.0, |metres| probability::of_metres(metres, interval, view))
-        }
+        Place::Distance(word) => probability::of_distance(found, *word, observer),
+        Place::Direction(word) => probability::of_direction(found, *word, observer),
+        Place::Metres(interval) => found
+            .distance_m
+            .map_or(0.0, |metres| probability::of_metres(metres, interval, observer)),
         Place::Degrees { center, half_width } => {
-            probability::of_degrees(found, *center, *half_width, view)
+            probability::of_degrees(found, *center, *half_width, observer)
         }
     }
 }

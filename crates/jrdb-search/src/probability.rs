@@ -4,28 +4,32 @@ use jrdb_types::query::Interval;
 use jrdb_types::{Direction, DistanceWord, SpatialRelation};
 
 use crate::geometry::near_deg;
-use crate::place::View;
+use crate::observer::Observer;
 
 /// Probability that the true distance lies in the word's bin: a normal distribution around the measured
 /// one. Graphs of words only give 0 or 1.
-pub(crate) fn of_distance(relation: &SpatialRelation, asked: DistanceWord, view: &View<'_>) -> f64 {
+pub(crate) fn of_distance(
+    relation: &SpatialRelation,
+    asked: DistanceWord,
+    observer: &Observer<'_>,
+) -> f64 {
     let Some(distance_m) = relation.distance_m else {
         return certainty(relation.distance == Some(asked));
     };
     let (low, high) = asked.bounds_m();
     // Nothing is nearer than 0: the first bin keeps the whole lower tail.
     let low = if low == 0.0 { f64::NEG_INFINITY } else { low };
-    normal_between(low - distance_m, high - distance_m, view.config.position_sigma_m)
+    normal_between(low - distance_m, high - distance_m, observer.config.position_sigma_m)
 }
 
 /// Probability that the true distance lies in an interval.
-pub(crate) fn of_metres(distance_m: f64, asked: &Interval, view: &View<'_>) -> f64 {
+pub(crate) fn of_metres(distance_m: f64, asked: &Interval, observer: &Observer<'_>) -> f64 {
     let low = asked.min.filter(|&min| min > 0.0).unwrap_or(f64::NEG_INFINITY);
     let high = asked.max.unwrap_or(f64::INFINITY);
-    if view.config.position_sigma_m <= 0.0 {
+    if observer.config.position_sigma_m <= 0.0 {
         return certainty(asked.contains(distance_m));
     }
-    normal_between(low - distance_m, high - distance_m, view.config.position_sigma_m)
+    normal_between(low - distance_m, high - distance_m, observer.config.position_sigma_m)
 }
 
 /// Probability that the true bearing lies in the asked sector: a normal distribution around the measured
@@ -33,7 +37,11 @@ pub(crate) fn of_metres(distance_m: f64, asked: &Interval, view: &View<'_>) -> f
 ///
 /// Where the graph says how sure the heading makes the sector that it names, that counts instead of the configured
 /// deviation, and the other sectors share the rest.
-pub(crate) fn of_direction(relation: &SpatialRelation, asked: Direction, view: &View<'_>) -> f64 {
+pub(crate) fn of_direction(
+    relation: &SpatialRelation,
+    asked: Direction,
+    observer: &Observer<'_>,
+) -> f64 {
     let Some(found) = relation.direction else { return 0.0 };
     let (Some(bearing_rad), Some(distance_m)) = (relation.bearing_rad, relation.distance_m) else {
         return certainty(found == asked);
@@ -42,11 +50,11 @@ pub(crate) fn of_direction(relation: &SpatialRelation, asked: Direction, view: &
         return 0.0;
     }
     let sector = |direction: Direction, heading_sigma_rad| {
-        let (low, high) = direction.sector.named(view.lateral).bounds_deg();
-        let sigma = bearing_sigma_deg(distance_m, heading_sigma_rad, view);
+        let (low, high) = direction.sector.named(observer.lateral).bounds_deg();
+        let sigma = bearing_sigma_deg(distance_m, heading_sigma_rad, observer);
         on_circle(bearing_rad.to_degrees(), low, high, sigma)
     };
-    let heading_sigma_rad = view.heading_sigma_rad();
+    let heading_sigma_rad = observer.heading_sigma_rad();
     match relation.direction_probability {
         Some(sure) if heading_sigma_rad > 0.0 => {
             let of_found = sure * sector(found, 0.0);
@@ -63,17 +71,21 @@ pub(crate) fn of_degrees(
     relation: &SpatialRelation,
     center: f64,
     half_width: f64,
-    view: &View<'_>,
+    observer: &Observer<'_>,
 ) -> f64 {
     let Some(bearing_rad) = relation.bearing_rad else { return 0.0 };
     let distance_m = relation.distance_m.unwrap_or(f64::INFINITY);
-    let sigma = bearing_sigma_deg(distance_m, view.heading_sigma_rad(), view);
+    let sigma = bearing_sigma_deg(distance_m, observer.heading_sigma_rad(), observer);
     on_circle(bearing_rad.to_degrees(), center - half_width, center + half_width, sigma)
 }
 
 /// Standard deviation of a bearing, degrees.
-pub(crate) fn bearing_sigma_deg(distance_m: f64, heading_sigma_rad: f64, view: &View<'_>) -> f64 {
-    view.config.position_sigma_m.atan2(distance_m).hypot(heading_sigma_rad).to_degrees()
+pub(crate) fn bearing_sigma_deg(
+    distance_m: f64,
+    heading_sigma_rad: f64,
+    observer: &Observer<'_>,
+) -> f64 {
+    observer.config.position_sigma_m.atan2(distance_m).hypot(heading_sigma_rad).to_degrees()
 }
 
 /// Probability that a normal angle lies between two others, degrees.
@@ -159,13 +171,13 @@ pub(crate) fn of_count(
 mod tests {
     use super::*;
     use crate::SearchConfig;
-    use crate::place::Heading;
+    use crate::observer::Front;
     use jrdb_types::LateralConvention;
     use jrdb_types::vocab::Sector;
     use proptest::prelude::*;
 
-    fn from_robot(config: &SearchConfig) -> View<'_> {
-        View { lateral: LateralConvention::Physical, heading: Heading::OfRobot, config }
+    fn from_robot(config: &SearchConfig) -> Observer<'_> {
+        Observer { lateral: LateralConvention::Physical, front: Front::OfRobot, config }
     }
 
     fn relation(distance_m: f64, bearing_rad: f64) -> SpatialRelation {
@@ -212,9 +224,9 @@ mod tests {
             let (config, relation) = (SearchConfig::default(), relation(distance_m, bearing));
             let distances: f64 = DistanceWord::ALL.iter().map(|w| of_distance(&relation, *w, &from_robot(&config))).sum();
             prop_assert!((distances - 1.0).abs() < 1e-6);
-            let view = View { heading: Heading::OfPerson, ..from_robot(&config) };
+            let observer = Observer { front: Front::OfPerson, ..from_robot(&config) };
             let sectors = |relation: &SpatialRelation| -> f64 {
-                Sector::ALL.iter().map(|s| of_direction(relation, Direction::level(*s), &view)).sum()
+                Sector::ALL.iter().map(|s| of_direction(relation, Direction::level(*s), &observer)).sum()
             };
             // At no distance the bearing is anyone's guess and its tails wind round more than once.
             let tolerance = if distance_m > 0.2 { 1e-6 } else { 0.05 };

@@ -5,16 +5,10 @@ use jrdb_types::Pattern;
 use jrdb_types::query::Pick;
 use jrdb_types::vocab::MatchPolicy;
 
-use crate::evaluate::Evaluated;
+use crate::evaluation::Evaluated;
 use crate::measure::in_order;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
-
-/// Those that a pattern means, its pick included.
-pub(crate) fn choice(searcher: &Searcher<'_, '_>, pattern: &Pattern) -> BitSet {
-    let evaluated = searcher.evaluate(pattern);
-    if pattern.pick.is_some() { evaluated.passed } else { unpicked_choice(searcher, &evaluated) }
-}
 
 /// Those that a pattern without its pick means, of those it was evaluated on.
 ///

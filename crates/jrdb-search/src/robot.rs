@@ -4,10 +4,10 @@ use jrdb_types::query::Place;
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Node, SpatialRelation};
 
+use crate::evaluation::{Kinds, Link};
 use crate::geometry::robot_seen_by;
-use crate::link::{Kinds, Link};
-use crate::place;
-use crate::searcher::{Searcher, is_distance};
+use crate::place::{self, is_distance};
+use crate::searcher::Searcher;
 
 impl Searcher<'_, '_> {
     /// All the relations between a subject and the robot.
@@ -40,13 +40,13 @@ impl Searcher<'_, '_> {
         asked: &Place,
         subject_looks: bool,
     ) -> Option<(SpatialRelation, Link)> {
-        let (found, view) = if subject_looks && !is_distance(asked) {
+        let (found, observer) = if subject_looks && !is_distance(asked) {
             let found = robot_seen_by(node.center?, node.heading_rad?, self.lateral());
-            (found, self.person_view())
+            (found, self.person_observer())
         } else {
-            (self.seen_by_robot(node)?, self.robot_view())
+            (self.seen_by_robot(node)?, self.robot_observer())
         };
-        let probability = place::probability(asked, &found, &view);
+        let probability = place::probability(asked, &found, &observer);
         Some((found, Link { truth: place::truth(asked, &found), probability }))
     }
 

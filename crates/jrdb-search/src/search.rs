@@ -3,12 +3,13 @@
 use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::answer::Ranked;
 use jrdb_types::vocab::MatchPolicy;
-use jrdb_types::{Answer, EntityId, Pattern, Query, SceneGraph, Task};
+use jrdb_types::{Answer, Pattern, Query, SceneGraph};
 
-use crate::evaluate::Evaluated;
+use crate::candidates::{by_sets, candidates, deciding, ids, in_order, presupposes};
+use crate::evaluation::Evaluated;
 use crate::searcher::Searcher;
 use crate::trace::Picked;
-use crate::{SearchConfig, engine, frames, issues, ranked, reply};
+use crate::{SearchConfig, benchmark, frames, issues, ranked, reply};
 
 /// Answers a question about one frame.
 ///
@@ -32,7 +33,7 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
     if !query.slots.is_empty() {
         return frames::answer(&[index], None, query, config);
     }
-    let query = &*engine::as_asked(query, config);
+    let query = &*benchmark::as_asked(query, config);
     let searcher = Searcher::new(index, config);
     let unpicked = Pattern { pick: None, ..query.target.clone() };
     let evaluated = searcher.evaluate_on(&unpicked, candidates(&searcher, &unpicked));
@@ -45,21 +46,40 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
         let (id, selected) = (index.id(number)?, selection.contains(number));
         Some(searcher.trace(id, number, &evaluated, picked.as_ref(), selected))
     });
-    let mut all_issues = query.issues.clone();
-    all_issues.extend(issues::of(&searcher, query));
-    Answer {
-        frame: index.scene().frame.clone(),
-        question: query.text.clone(),
-        task: query.task.clone(),
-        policy: config.policy,
-        lateral: searcher.lateral(),
-        reply: reply::reply(&searcher, query, &selection),
-        ranking: ranking(&searcher, query, &evaluated, &selection),
-        trace: trace.collect(),
-        slots: Vec::new(),
-        sensitivity: Vec::new(),
-        issues: all_issues,
-        selection: ids(index, &selection),
+    let frame = index.scene().frame.clone();
+    let mut answer = Answer::new(frame, query, config.policy, searcher.lateral());
+    answer.reply = reply::reply(&searcher, query, &selection);
+    answer.ranking = ranking(&searcher, query, &evaluated, &selection);
+    answer.trace = trace.collect();
+    answer.selection = ids(index, &selection);
+    answer.issues.extend(issues::of(&searcher, query));
+    answer
+}
+
+/// Answers a question about a recording: its frames in the order of time.
+///
+/// `slots` says which of the frames (by their place in the list) each slot covers, where the caller knows. Else a slot covers the
+/// frames of its seconds, both ends included, counted from the first frame's number at
+/// [`SearchConfig::frames_per_second`]; and a slot without seconds is any moment.
+///
+/// A track matches a slot of several frames when it matches in more than half of those that it is seen in; it matches any moment when
+/// it matches in one frame. What is asked one after the other must be matched one after the other, by the earliest moments
+/// that there are, unless [`SearchConfig::order`] says otherwise. A question without slots is about the whole recording.
+///
+/// Under [`crate::Pooling::PerCondition`] every slot has the engine's answer, and the selection and number are the first slot's, as
+/// the benchmark reads them.
+#[must_use]
+pub fn search_frames(
+    recording: &[SceneGraph],
+    slots: Option<&[Vec<usize>]>,
+    query: &Query,
+    config: &SearchConfig,
+) -> Answer {
+    let indices: Vec<GraphIndex<'_>> = recording.iter().map(GraphIndex::new).collect();
+    let indices: Vec<&GraphIndex<'_>> = indices.iter().collect();
+    match indices.as_slice() {
+        [only] if slots.is_none() && query.slots.is_empty() => search_indexed(only, query, config),
+        _ => frames::answer(&indices, slots, query, config),
     }
 }
 
@@ -78,9 +98,11 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
 /// ```
 #[must_use]
 pub fn select(index: &GraphIndex<'_>, query: &Query, config: &SearchConfig) -> BitSet {
-    let query = &*engine::as_asked(query, config);
+    let query = &*benchmark::as_asked(query, config);
     let searcher = Searcher::new(index, config);
-    if engine::pools(config) || (config.policy == MatchPolicy::Ranked && presupposes(&query.task)) {
+    if benchmark::pools(config)
+        || (config.policy == MatchPolicy::Ranked && presupposes(&query.task))
+    {
         let unpicked = Pattern { pick: None, ..query.target.clone() };
         let evaluated = searcher.evaluate_on(&unpicked, candidates(&searcher, &unpicked));
         let matching = chosen(&searcher, query, &evaluated);
@@ -90,34 +112,10 @@ pub fn select(index: &GraphIndex<'_>, query: &Query, config: &SearchConfig) -> B
     by_sets(&searcher, &query.target)
 }
 
-/// Whether a question supposes that somebody is meant, so that the best guess is an answer. Counting does not.
-pub(crate) fn presupposes(task: &Task) -> bool {
-    matches!(task, Task::Find | Task::Where | Task::Which { .. })
-}
-
-/// Who decides what things are meant: where nobody need be meant, the best values alone.
-fn deciding<'i, 'a>(searcher: &Searcher<'i, 'a>, task: &Task) -> Searcher<'i, 'a> {
-    match searcher.config.policy {
-        MatchPolicy::Ranked if !presupposes(task) => searcher.with(MatchPolicy::Strict),
-        policy => searcher.with(policy),
-    }
-}
-
-/// Nodes of a pattern's kind.
-pub(crate) fn candidates(searcher: &Searcher<'_, '_>, pattern: &Pattern) -> BitSet {
-    let mut kind = searcher.kind(&pattern.category).into_owned();
-    only_nodes(searcher, &mut kind);
-    kind
-}
-
-fn only_nodes(searcher: &Searcher<'_, '_>, set: &mut BitSet) {
-    (searcher.index.node_count()..searcher.index.size()).for_each(|number| set.remove(number));
-}
-
 /// Those that match, without the pick.
 fn chosen(searcher: &Searcher<'_, '_>, query: &Query, evaluated: &Evaluated<'_>) -> BitSet {
-    if engine::pools(&searcher.config) {
-        return engine::pooled_numbers(searcher, evaluated.pattern);
+    if benchmark::pools(&searcher.config) {
+        return benchmark::pooled_numbers(searcher, evaluated.pattern);
     }
     match searcher.config.policy {
         MatchPolicy::Strict | MatchPolicy::Majority => evaluated.passed.clone(),
@@ -126,19 +124,6 @@ fn chosen(searcher: &Searcher<'_, '_>, query: &Query, evaluated: &Evaluated<'_>)
         }
         MatchPolicy::Ranked => by_sets(searcher, evaluated.pattern),
     }
-}
-
-/// Nodes that match a pattern, its pick included, where nobody need be meant: by the best values.
-pub(crate) fn by_sets(searcher: &Searcher<'_, '_>, pattern: &Pattern) -> BitSet {
-    if searcher.config.policy == MatchPolicy::Ranked {
-        return by_sets(&searcher.with(MatchPolicy::Strict), pattern);
-    }
-    if searcher.index.node_count() == searcher.index.size() {
-        return searcher.matches(pattern);
-    }
-    let mut found = searcher.matches(&Pattern { pick: None, ..pattern.clone() });
-    only_nodes(searcher, &mut found);
-    pattern.pick.as_ref().map_or_else(|| found.clone(), |pick| searcher.pick(&found, pick))
 }
 
 fn ranking(
@@ -166,15 +151,4 @@ fn ranking(
         Some(Ranked { id: node.id.clone(), bbox: node.bbox, probability })
     });
     in_order(ranked.collect())
-}
-
-/// Most probable first; ties by id.
-pub(crate) fn in_order(mut ranking: Vec<Ranked>) -> Vec<Ranked> {
-    ranking.sort_by(|a, b| b.probability.total_cmp(&a.probability).then_with(|| a.id.cmp(&b.id)));
-    ranking
-}
-
-/// Ids of some numbers, sorted.
-pub(crate) fn ids(index: &GraphIndex<'_>, set: &BitSet) -> Vec<EntityId> {
-    set.iter().filter_map(|number| index.id(number)).cloned().collect()
 }

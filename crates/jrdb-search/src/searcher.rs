@@ -5,12 +5,12 @@ use std::cell::OnceCell;
 
 use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::object;
-use jrdb_types::query::{Category, Interval, Measure, Place};
+use jrdb_types::query::{Category, Measure};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{LateralConvention, Node, Pattern, SpatialRelation};
 
-use crate::place::{Heading, View};
-use crate::{SearchConfig, group, ranked};
+use crate::observer::{Front, Observer};
+use crate::{SearchConfig, group};
 
 /// A graph, how it is searched, and what was already found out about it.
 pub(crate) struct Searcher<'i, 'a> {
@@ -34,13 +34,13 @@ impl<'i, 'a> Searcher<'i, 'a> {
     }
 
     /// What the robot sees with.
-    pub(crate) fn robot_view(&self) -> View<'_> {
-        View { lateral: self.lateral(), heading: Heading::OfRobot, config: &self.config }
+    pub(crate) fn robot_observer(&self) -> Observer<'_> {
+        Observer { lateral: self.lateral(), front: Front::OfRobot, config: &self.config }
     }
 
     /// What somebody of uncertain heading sees with.
-    pub(crate) fn person_view(&self) -> View<'_> {
-        View { heading: Heading::OfPerson, ..self.robot_view() }
+    pub(crate) fn person_observer(&self) -> Observer<'_> {
+        Observer { front: Front::OfPerson, ..self.robot_observer() }
     }
 
     /// The numbers of a kind; none for the robot, which is no node.
@@ -82,14 +82,6 @@ impl<'i, 'a> Searcher<'i, 'a> {
         )
     }
 
-    /// Those that match a pattern, its pick included, as the policy chooses.
-    pub(crate) fn resolve(&self, pattern: &Pattern) -> BitSet {
-        match self.config.policy {
-            MatchPolicy::Ranked => ranked::choice(self, pattern),
-            MatchPolicy::Strict | MatchPolicy::Majority => self.matches(pattern),
-        }
-    }
-
     /// Where a node is, seen from the robot: the graph's words, and numbers from its centre where the words have none.
     pub(crate) fn seen_by_robot(&self, node: &Node) -> Option<SpatialRelation> {
         let Some([x, y, z]) = node.center else { return node.from_robot };
@@ -120,11 +112,6 @@ impl<'i, 'a> Searcher<'i, 'a> {
     pub(crate) fn center(&self, number: usize) -> Option<[f64; 3]> {
         self.index.node(number)?.center
     }
-}
-
-/// A place that only tells how far.
-pub(crate) fn is_distance(place: &Place) -> bool {
-    matches!(place, Place::Distance(_) | Place::Metres(Interval { .. }))
 }
 
 /// The pattern that a measure speaks of.

@@ -6,15 +6,15 @@ mod number;
 use std::collections::BTreeMap;
 
 use jrdb_graph::GraphIndex;
-use jrdb_types::answer::{Change, Check, Effect, Measured, Unit};
+use jrdb_types::answer::{Change, Check, Criterion, Effect, Measured, Unit};
 use jrdb_types::query::{Category, Interval, Measure, RelationKind, Viewpoint};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Query, SceneGraph};
 
-use crate::place::{View, measured};
+use crate::observer::{Front, Observer};
+use crate::place::{is_distance, measured};
 use crate::probability::bearing_sigma_deg;
-use crate::searcher::is_distance;
-use crate::{SearchConfig, engine, search_indexed, select};
+use crate::{SearchConfig, benchmark, search_indexed, select};
 use candidate::{Candidate, Reach};
 use number::{Number, Scratch};
 
@@ -30,10 +30,10 @@ const HALVINGS: i32 = 20;
 /// Numbers are distances and bearings: of candidates for the robot, compared with others' too, of edges to the partner that the
 /// trace names, of a candidate that goes round that partner as the robot sees both, or off the line that it is between two on; and
 /// beliefs, of candidates and of those partners: probability then moves between the asked value and its strongest rival.
-/// The words for a distance or bearing change with it. Of each candidate the smallest change of place is told, in
+/// The words for a distance or bearing change with it. Of each candidate the smallest change of place is returned, in
 /// deviations, and the smallest of belief; changes of place come first, the least deviations first, then by id.
 ///
-/// Every change told was tried out: a millionth beyond [`Change::to`] the thing is in the answer, or no longer. Only those are looked
+/// Every returned change was tried out: a millionth beyond [`Change::to`] the thing is in the answer, or no longer. Only those are looked
 /// at that are selected or fail one condition; under `majority`, all. Under `ranked`, where no bound decides alone, the turning point is
 /// looked for by halving. Where a candidate's answer hangs on its own edges only, the changes are looked for in a graph of these, with
 /// everybody else as they are, and those found under `ranked` are then tried out on the whole graph; for groups and relations of
@@ -43,7 +43,7 @@ pub fn sensitivity(graph: &SceneGraph, query: &Query, config: &SearchConfig) -> 
     if !query.slots.is_empty() {
         return Vec::new();
     }
-    let query = &*engine::as_asked(query, config);
+    let query = &*benchmark::as_asked(query, config);
     let index = GraphIndex::new(graph);
     smallest_changes(&index, Trial::new(&index, query, config))
 }
@@ -96,7 +96,7 @@ fn size(change: &Change) -> f64 {
 /// A number that could change.
 struct Proposal {
     number: Number,
-    asked: String,
+    criterion: Criterion,
     witness: Option<EntityId>,
     measured: Measured,
     holds: bool,
@@ -168,7 +168,7 @@ fn add(number: Number, witness: Option<&EntityId>, check: &Check, found: &mut Ve
     if measured.unit == number.unit() {
         found.push(Proposal {
             number,
-            asked: check.asked.clone(),
+            criterion: check.criterion.clone(),
             witness: witness.cloned(),
             measured,
             holds: check.holds,
@@ -236,7 +236,7 @@ impl<'g, 'q> Trial<'g, 'q> {
         });
         let nearest = ways.min_by(|a, b| (a.0 - now).abs().total_cmp(&(b.0 - now).abs()));
         let (to, bound, far) = nearest?;
-        let change = told(id, selected, proposal, deviation, to);
+        let change = change_to(id, selected, proposal, deviation, to);
         Some(Turn { proposal, change, deviation, bound, far })
     }
 
@@ -255,23 +255,23 @@ impl<'g, 'q> Trial<'g, 'q> {
             return Some(change);
         }
         let to = self.turning_point(id, selected, proposal, (bound, far), On::WholeGraph)?;
-        Some(told(id, selected, proposal, deviation, to))
+        Some(change_to(id, selected, proposal, deviation, to))
     }
 
     /// One standard deviation of a number.
     fn deviation(&self, number: &Number, range_m: Option<f64>) -> Option<f64> {
         let lateral = self.scratch.graph().lateral;
-        let heading = crate::place::Heading::OfPerson;
-        let view = View { lateral, heading, config: self.config };
+        let front = Front::OfPerson;
+        let observer = Observer { lateral, front, config: self.config };
         match number {
             Number::Range(_) | Number::Apart(..) | Number::Aside(..) => {
                 Some(self.config.position_sigma_m)
             }
             Number::Bearing(_) | Number::Beside(..) | Number::Row(_) => {
-                Some(bearing_sigma_deg(range_m?, 0.0, &view))
+                Some(bearing_sigma_deg(range_m?, 0.0, &observer))
             }
             Number::Seen(..) => {
-                Some(bearing_sigma_deg(range_m?, self.config.heading_sigma_rad, &view))
+                Some(bearing_sigma_deg(range_m?, self.config.heading_sigma_rad, &observer))
             }
             Number::Belief(..) => None,
         }
@@ -338,7 +338,7 @@ impl<'g, 'q> Trial<'g, 'q> {
 }
 
 /// The change of a number to where the answer for a thing turns.
-fn told(
+fn change_to(
     id: &EntityId,
     selected: bool,
     proposal: &Proposal,
@@ -356,7 +356,8 @@ fn told(
     Change {
         id: id.clone(),
         effect: if selected { Effect::Leaves } else { Effect::Enters },
-        condition: proposal.asked.clone(),
+        words: String::new(),
+        criterion: proposal.criterion.clone(),
         witness: proposal.witness.clone(),
         measured: measured(now, unit, bounds),
         to,

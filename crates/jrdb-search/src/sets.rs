@@ -9,8 +9,7 @@ use jrdb_types::{Condition, Direction, DistanceWord, Pattern, Quantity, Related}
 
 use smallvec::SmallVec;
 
-use crate::link::{Kinds, Link, Partner};
-use crate::measure::Comparison;
+use crate::evaluation::{Kinds, Link, Partner};
 use crate::place;
 use crate::searcher::Searcher;
 use crate::value::Truth;
@@ -88,7 +87,7 @@ impl<'i> Searcher<'i, '_> {
             Condition::GroupSize(quantity) => truth(&|n| self.group_truth(n, *quantity)),
             Condition::Related(related) => self.related(related, within),
             Condition::Compared(compared) => {
-                let comparison = Comparison::new(self, compared);
+                let comparison = self.comparison(compared);
                 truth(&|n| comparison.truth(n))
             }
             Condition::Is(pattern) => {
@@ -127,7 +126,7 @@ impl<'i> Searcher<'i, '_> {
             Condition::GroupSize(quantity) => untruth(&|n| self.group_truth(n, *quantity)),
             Condition::Related(related) => self.unrelated(related, within),
             Condition::Compared(compared) => {
-                let comparison = Comparison::new(self, compared);
+                let comparison = self.comparison(compared);
                 untruth(&|n| comparison.truth(n))
             }
             Condition::Is(pattern) => {
@@ -235,7 +234,7 @@ impl<'i> Searcher<'i, '_> {
             return [Truth::Yes, Truth::Unknown].map(|truth| usize::from(link.truth == truth));
         }
         self.possible_partners(subject, kinds, scratch);
-        let mut counts = [0, kinds.unseen(self, subject, partner, scratch)];
+        let mut counts = [0, self.unseen_partners(subject, kinds, partner, scratch)];
         for other in scratch.iter().map(|&other| other as usize) {
             let own = partner.truth(other);
             if own == Truth::No {

@@ -1,21 +1,27 @@
 //! Why a candidate was chosen or refused: every condition with what was found.
 
-use jrdb_graph::BitSet;
-use jrdb_types::answer::{CandidateTrace, Check, Measured, Unit};
-use jrdb_types::query::{Interval, Order, Pick, RelationKind, Viewpoint};
-use jrdb_types::vocab::PairWord;
-use jrdb_types::{Condition, EntityId, Quantity, Related};
+use std::sync::Arc;
 
-use crate::evaluate::{Column, Evaluated, Inner};
-use crate::link::{Kinds, Link, Partner};
-use crate::measure::{Comparison, in_order, unit};
-use crate::searcher::{Searcher, is_distance};
+use jrdb_graph::BitSet;
+use jrdb_types::answer::{
+    self, CandidateTrace, Check, Criterion, DirectionFound, DistanceFound, Finding, Measured, Unit,
+};
+use jrdb_types::query::{Interval, Order, Pick, Place, RelationKind, Viewpoint};
+use jrdb_types::vocab::PairWord;
+use jrdb_types::{Condition, EntityId, Quantity, Related, SpatialRelation};
+
+use crate::evaluation::{Column, Comparison, Evaluated, Inner, Kinds, Link, Partner};
+use crate::measure::{in_order, unit};
+use crate::place::is_distance;
+use crate::searcher::Searcher;
 use crate::value::{NOBODY, Truth, Value};
-use crate::{attribute, found, measure, place, wording};
+use crate::{attribute, measure, place};
 
 /// A pick, made: who is in which place of the order.
 pub(crate) struct Picked<'q> {
     pub(crate) pick: &'q Pick,
+    /// The pick for the traces, which share it.
+    shared: Arc<Pick>,
     measures: Vec<Option<f64>>,
     order: Vec<usize>,
 }
@@ -25,7 +31,7 @@ impl<'q> Picked<'q> {
     pub(crate) fn new(searcher: &Searcher<'_, '_>, pick: &'q Pick, from: &BitSet) -> Self {
         let measures = searcher.measures(&pick.measure);
         let order = in_order(from, &measures, pick.order);
-        Self { pick, measures, order }
+        Self { pick, shared: Arc::new(pick.clone()), measures, order }
     }
 
     fn check(&self, number: usize, holds: bool) -> Check {
@@ -33,12 +39,11 @@ impl<'q> Picked<'q> {
         let first = f64::from(self.pick.rank.max(1));
         let last = first + f64::from(self.pick.count) - 1.0;
         let value = self.measures.get(number).copied().flatten();
-        let value = value.map(|value| found::number(value, unit(&self.pick.measure)));
-        let place_found = place.map(|place| format!("number {place} of {}", self.order.len()));
-        let words: Vec<String> = place_found.into_iter().chain(value).collect();
+        let (count, unit) = (self.order.len(), unit(&self.pick.measure));
+        let is_known = place.is_some() || value.is_some();
         Check {
-            asked: wording::pick(self.pick),
-            found: (!words.is_empty()).then(|| words.join(", ")),
+            criterion: Criterion::Pick(Arc::clone(&self.shared)),
+            finding: is_known.then_some(Finding::Order { place, count, value, unit }),
             holds,
             probability: if holds { 1.0 } else { 0.0 },
             measured: place.map(|place| {
@@ -78,12 +83,12 @@ impl Searcher<'_, '_> {
 
     fn check(&self, number: usize, column: &Column<'_>) -> Check {
         let value = column.values[number];
-        let base = Check { asked: wording::asked(column.condition), ..of_value(&value) };
+        let base = Check { criterion: column.criterion(), ..of_value(&value) };
         match (column.condition, &column.inner) {
             (Condition::FromRobot(asked), _) => {
                 let relation = self.index.node(number).and_then(|node| self.seen_by_robot(node));
                 Check {
-                    found: relation.and_then(|relation| found::place(asked, &relation)),
+                    finding: relation.and_then(|relation| place_found(asked, &relation)),
                     measured: relation.and_then(|r| place::measure(asked, &r, self.lateral())),
                     ..base
                 }
@@ -91,7 +96,7 @@ impl Searcher<'_, '_> {
             (Condition::GroupSize(asked), _) => {
                 let size = self.group_size(number);
                 Check {
-                    found: size.map(|size| format!("{size} together")),
+                    finding: size.map(Finding::Group),
                     measured: size.map(|size| counted(size as usize, *asked)),
                     ..base
                 }
@@ -104,21 +109,17 @@ impl Searcher<'_, '_> {
                 self.comparison_check(number, comparison, unit, compared.order, base)
             }
             (_, Inner::Pattern(those)) => {
-                let (found, parts) = (said(value.truth, "it is"), self.checks(number, those));
-                Check { found, parts, ..base }
+                Check { finding: holds(value.truth), parts: self.checks(number, those), ..base }
             }
             (_, Inner::Parts(parts)) => {
-                let parts: Vec<Check> = parts.iter().map(|part| self.check(number, part)).collect();
-                let mut found: Vec<String> =
-                    parts.iter().filter_map(|part| part.found.clone()).collect();
-                found.dedup();
-                Check { found: (!found.is_empty()).then(|| found.join("; ")), parts, ..base }
+                let parts = parts.iter().map(|part| self.check(number, part)).collect();
+                Check { parts, ..base }
             }
             (Condition::Attribute(asked), _) => {
                 let known = self.index.node(number).map(|node| &node.attributes);
-                let found = known.and_then(|k| wording::belief(k.belief(asked.attribute())));
+                let finding = known.and_then(|known| attribute::finding(known, asked.attribute()));
                 let measured = known.and_then(|known| attribute::balance(known, *asked));
-                Check { found, measured, ..base }
+                Check { finding, measured, ..base }
             }
             _ => base,
         }
@@ -137,8 +138,7 @@ impl Searcher<'_, '_> {
             let mut parts = self.robot_checks(subject, kinds);
             let witnesses = parts.iter_mut().flat_map(|part| std::mem::take(&mut part.witnesses));
             let witnesses = witnesses.collect();
-            let (found, measured) = (joined(&parts), only_measure(&parts));
-            return Check { found, measured, witnesses, parts, ..base };
+            return Check { measured: only_measure(&parts), witnesses, parts, ..base };
         }
         if value.witness == NOBODY {
             return base;
@@ -158,13 +158,13 @@ impl Searcher<'_, '_> {
             parts.extend(part);
         }
         witnesses.extend(parts.iter_mut().flat_map(|part| std::mem::take(&mut part.witnesses)));
-        let (found, measured) = (joined(&parts), only_measure(&parts));
+        let measured = only_measure(&parts);
         if let Partner::Things { evaluated: Some(evaluated), .. } = partner {
             parts.extend(self.checks(witness, evaluated));
         }
         let plain = related.quantity == Quantity::SOME;
         let measured = if plain { measured } else { None };
-        Check { found, measured, witnesses, parts, ..base }
+        Check { measured, witnesses, parts, ..base }
     }
 
     /// One relation between a subject and its witness.
@@ -175,40 +175,52 @@ impl Searcher<'_, '_> {
         kind: &RelationKind,
         kinds: &Kinds<'_>,
     ) -> Check {
-        let name = self.index.id(partner).map(EntityId::short).unwrap_or_default();
-        let base = Check { asked: wording::kind(kind, &name), ..Check::default() };
+        let base = self.relation_base(kind, Some(partner));
         match kind {
             RelationKind::Placed { place: asked, viewpoint } => {
                 let from_robot = *viewpoint == Viewpoint::Robot && !is_distance(asked);
-                let (relation, view) = if from_robot {
-                    (self.beside(subject, partner, asked).map(|(r, _)| r), self.robot_view())
+                let (relation, observer) = if from_robot {
+                    (self.beside(subject, partner, asked).map(|(r, _)| r), self.robot_observer())
                 } else {
-                    (self.edge_for(subject, partner, kinds, *viewpoint), self.person_view())
+                    (self.edge_for(subject, partner, kinds, *viewpoint), self.person_observer())
                 };
                 let Some(relation) = relation else { return base };
                 Check {
-                    found: found::place(asked, &relation),
+                    finding: place_found(asked, &relation),
                     holds: place::truth(asked, &relation).holds(),
-                    probability: place::probability(asked, &relation, &view),
+                    probability: place::probability(asked, &relation, &observer),
                     measured: place::measure(asked, &relation, self.lateral()),
                     ..base
                 }
             }
             RelationKind::Pair(word) => {
                 let link = Link::certain(self.word(subject, partner, *word));
-                Check { found: said(link.truth, word.word()), ..of_link(link, base) }
+                Check { finding: holds(link.truth), ..of_link(link, base) }
             }
             RelationKind::Interaction(label) => {
-                let deeds: Vec<&str> = self.deeds(subject, partner).collect();
-                let link = Link::of(deeds.contains(&label.as_str()));
+                let labels: Vec<String> =
+                    self.interactions(subject, partner).map(Into::into).collect();
+                let link = Link::of(labels.contains(label));
                 Check {
-                    found: (!deeds.is_empty()).then(|| deeds.join(", ")),
+                    finding: (!labels.is_empty()).then_some(Finding::Interactions(labels)),
                     ..of_link(link, base)
                 }
             }
             RelationKind::With => of_link(Link::certain(self.with_truth(subject, partner)), base),
             RelationKind::Between(_) => base,
         }
+    }
+
+    /// A check of one relation with a partner, or with the robot where there is none, before anything is found.
+    fn relation_base(&self, kind: &RelationKind, partner: Option<usize>) -> Check {
+        let criterion = Criterion::Relation { kind: kind.clone(), partner: self.named(partner) };
+        Check { criterion, ..Check::default() }
+    }
+
+    /// A thing by its id, or the robot where there is none.
+    fn named(&self, number: Option<usize>) -> answer::Partner {
+        let id = number.and_then(|number| self.index.id(number));
+        id.map_or(answer::Partner::Robot, |id| answer::Partner::Thing(id.clone()))
     }
 
     fn between_check(
@@ -218,19 +230,17 @@ impl Searcher<'_, '_> {
         kind: &RelationKind,
         others: &Partner<'_>,
     ) -> Check {
-        let name = partner.and_then(|partner| self.index.id(partner));
-        let name = name.map_or_else(|| "the robot".into(), EntityId::short);
-        let base = Check { asked: wording::kind(kind, &name), ..Check::default() };
+        let base = self.relation_base(kind, partner);
         let links = self.between_links(subject, partner, others);
         let links = links.filter(|(_, link)| link.probability > 0.0 || link.truth.holds());
         let best = links.reduce(|best, next| if next.1.beats(best.1) { next } else { best });
         let Some((other, link)) = best else { return base };
         let aside_m = self.aside_m(subject, partner, other);
         let bounds = Interval { min: None, max: Some(self.config.between_max_offset_m) };
+        let ends = [partner, other].map(|end| self.named(end));
         let other = other.and_then(|other| self.index.id(other)).cloned();
-        let end = other.as_ref().map_or_else(|| "the robot".into(), EntityId::short);
         Check {
-            found: Some(format!("between {name} and {end}")),
+            finding: Some(Finding::Between(ends)),
             measured: aside_m.map(|metres| place::measured(metres, Unit::Metres, bounds)),
             witnesses: other.into_iter().collect(),
             ..of_link(link, base)
@@ -251,7 +261,7 @@ impl Searcher<'_, '_> {
 
     /// One relation between a subject and the robot.
     fn robot_check(&self, subject: usize, kind: &RelationKind) -> Check {
-        let base = Check { asked: wording::kind(kind, "the robot"), ..Check::default() };
+        let base = self.relation_base(kind, None);
         let Some(node) = self.index.node(subject) else { return base };
         match kind {
             RelationKind::Placed { place: asked, viewpoint } => {
@@ -260,7 +270,7 @@ impl Searcher<'_, '_> {
                     return base;
                 };
                 Check {
-                    found: found::place(asked, &relation),
+                    finding: place_found(asked, &relation),
                     measured: place::measure(asked, &relation, self.lateral()),
                     ..of_link(link, base)
                 }
@@ -270,10 +280,9 @@ impl Searcher<'_, '_> {
                 let ahead = self.ahead();
                 let robot = self.robot_place(node, &ahead, true).map(|(relation, _)| relation);
                 let robot = robot.filter(|_| *word == PairWord::Facing);
-                let angle = robot.and_then(|relation| found::direction(&relation));
-                let found = angle.map(|angle| format!("the robot at {angle}"));
+                let direction = robot.and_then(|relation| DirectionFound::of(&relation));
                 Check {
-                    found: found.or_else(|| said(link.truth, word.word())),
+                    finding: direction.map(Finding::RobotIn).or_else(|| holds(link.truth)),
                     measured: robot.and_then(|r| place::measure(&ahead, &r, self.lateral())),
                     ..of_link(link, base)
                 }
@@ -297,9 +306,9 @@ impl Searcher<'_, '_> {
             Order::Least => Interval { min: None, max: Some(theirs) },
             Order::Most => Interval { min: Some(theirs), max: None },
         });
-        let theirs = hardest.map(|(_, theirs)| format!(" against {}", found::number(theirs, unit)));
+        let other = hardest.map(|(_, theirs)| theirs);
         Check {
-            found: Some(format!("{}{}", found::number(mine, unit), theirs.unwrap_or_default())),
+            finding: Some(Finding::Comparison { own: mine, other, unit }),
             measured: bounds.map(|bounds| place::measured(mine, unit, bounds)),
             witnesses: hardest.and_then(|(n, _)| self.index.id(n)).into_iter().cloned().collect(),
             ..base
@@ -307,12 +316,22 @@ impl Searcher<'_, '_> {
     }
 }
 
-/// What holds in words, or that it does not; nothing where that is unknown.
-fn said(truth: Truth, words: &str) -> Option<String> {
+/// Whether something holds; nothing where that is unknown.
+fn holds(truth: Truth) -> Option<Finding> {
     match truth {
-        Truth::Yes => Some(words.into()),
-        Truth::No => Some("no".into()),
+        Truth::Yes => Some(Finding::Holds(true)),
+        Truth::No => Some(Finding::Holds(false)),
         Truth::Unknown => None,
+    }
+}
+
+/// What a place is, as far as it answers what was asked: distances for distances, directions for directions.
+fn place_found(asked: &Place, relation: &SpatialRelation) -> Option<Finding> {
+    match asked {
+        Place::Distance(_) | Place::Metres(_) => DistanceFound::of(relation).map(Finding::Distance),
+        Place::Direction(_) | Place::Degrees { .. } => {
+            DirectionFound::of(relation).map(Finding::Direction)
+        }
     }
 }
 
@@ -323,11 +342,6 @@ fn of_value(value: &Value) -> Check {
 
 fn of_link(link: Link, base: Check) -> Check {
     Check { holds: link.truth.holds(), probability: link.probability, ..base }
-}
-
-fn joined(parts: &[Check]) -> Option<String> {
-    let found: Vec<&str> = parts.iter().filter_map(|part| part.found.as_deref()).collect();
-    (!found.is_empty()).then(|| found.join("; "))
 }
 
 /// The number of a relation that consists of one measured part.

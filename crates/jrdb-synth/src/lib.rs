@@ -31,9 +31,9 @@ use paint::{Subject, chair_of};
 use random::Random;
 use room::Room;
 
+pub use config::SynthConfig;
 pub use robot::calibration;
 pub use room::Setting;
-pub use config::SynthConfig;
 pub use training::{Practice, TILE_PX, practice};
 pub use view::{InTile, Seen, View};
 

@@ -1,12 +1,20 @@
 //! What search hands on: the reply, who was meant, how probable each candidate is, and why.
 
+mod found;
+mod trace;
+mod why_not;
+
+pub use found::{DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues};
+pub use trace::{CandidateTrace, Check, Criterion, Finding, Measured, Partner, Unit};
+pub use why_not::{Reason, WhyNot};
+
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
 use crate::geometry::PixelBox;
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::query::{Interval, Property, Task};
+use crate::query::{Query, Task};
 use crate::vocab::{LateralConvention, MatchPolicy};
 
 /// A candidate with its place in the ranking.
@@ -22,93 +30,6 @@ pub struct Ranked {
     pub probability: f64,
 }
 
-/// What a measured number is a number of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "snake_case")]
-pub enum Unit {
-    /// Metres.
-    Metres,
-    /// Degrees, counter-clockwise.
-    Degrees,
-    /// Probability in `[0, 1]`.
-    Probability,
-    /// A number of things.
-    Count,
-    /// Metres per second.
-    MetresPerSecond,
-    /// Age groups, 0 for child to 4 for elderly.
-    AgeGroup,
-}
-
-/// The number behind a check.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Measured {
-    /// What was measured; an angle is brought within half a turn of the middle of the bounds.
-    pub value: f64,
-    /// Its unit.
-    pub unit: Unit,
-    /// Where it must lie for the check to hold.
-    pub bounds: Interval,
-    /// How far the value is inside the nearer bound; negative: how far it is outside.
-    pub margin: f64,
-}
-
-/// One condition, checked on one candidate.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Check {
-    /// What was asked, in words.
-    pub asked: String,
-    /// What was found, in words; absent when nothing is known.
-    #[serde(default)]
-    pub found: Option<String>,
-    /// Whether it holds.
-    pub holds: bool,
-    /// Probability that it holds, in `[0, 1]`.
-    pub probability: f64,
-    /// The number behind it, where there is one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub measured: Option<Measured>,
-    /// The other things of a relation: the best partner first; for "between", the two ends.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub witnesses: Vec<EntityId>,
-    /// What it consists of: the relations with the witness, then the witness's own conditions; the parts of
-    /// "and", "or" and "not".
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub parts: Vec<Check>,
-}
-
-/// Why a candidate was chosen or refused.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct CandidateTrace {
-    /// Which thing.
-    pub id: EntityId,
-    /// Whether it is part of the answer.
-    pub selected: bool,
-    /// Whether enough attributes hold (the paper's phase 1).
-    pub passed_attributes: bool,
-    /// Whether the relations hold (the paper's phase 2).
-    pub passed_relations: bool,
-    /// Every condition, in the order of the query; a superlative or ordinal comes last.
-    pub checks: Vec<Check>,
-}
-
-/// What is told of one thing.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Told {
-    /// Of which thing.
-    pub id: EntityId,
-    /// Which property; absent for a place.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub property: Option<Property>,
-    /// Its values in words, most probable or nearest first; empty when unknown.
-    pub words: Vec<String>,
-}
-
 /// The answer to what was asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -121,13 +42,14 @@ pub enum Reply {
     /// Yes or no.
     YesNo(bool),
     /// Values or places, sorted by thing, then as asked.
-    Told(Vec<Told>),
+    #[serde(rename = "told")]
+    Properties(Vec<PropertyValues>),
 }
 
-/// Somebody at one moment of a recording.
+/// One thing at one moment of a recording.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Seen {
+pub struct Sighting {
     /// Who.
     pub id: EntityId,
     /// Number of the frame.
@@ -142,7 +64,7 @@ pub struct Seen {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SlotAnswer {
     /// Who matches when, sorted by id, then frame.
-    pub seen: Vec<Seen>,
+    pub seen: Vec<Sighting>,
 }
 
 /// Whether a change lets a thing into the answer or takes it out.
@@ -164,8 +86,12 @@ pub struct Change {
     pub id: EntityId,
     /// What would happen to it.
     pub effect: Effect,
-    /// Which condition, in words.
-    pub condition: String,
+    /// Which condition, in words; empty until `jrdb-render` fills it.
+    #[serde(rename = "condition", default)]
+    pub words: String,
+    /// Which condition.
+    #[serde(default)]
+    pub criterion: Criterion,
     /// Whose number it is, where it is not the candidate's own.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub witness: Option<EntityId>,
@@ -212,6 +138,30 @@ pub struct Answer {
 }
 
 impl Answer {
+    /// An answer that selects nothing, without reasons; it repeats the question and the question's issues.
+    #[must_use]
+    pub fn new(
+        frame: FrameId,
+        query: &Query,
+        policy: MatchPolicy,
+        lateral: LateralConvention,
+    ) -> Self {
+        Self {
+            frame,
+            question: query.text.clone(),
+            task: query.task.clone(),
+            policy,
+            lateral,
+            reply: Reply::Things,
+            selection: Vec::new(),
+            ranking: Vec::new(),
+            trace: Vec::new(),
+            slots: Vec::new(),
+            sensitivity: Vec::new(),
+            issues: query.issues.clone(),
+        }
+    }
+
     /// How many there are, when that was the question.
     #[must_use]
     pub fn number(&self) -> Option<usize> {

@@ -195,7 +195,7 @@ impl Sector {
     pub const fn named(self, lateral: LateralConvention) -> Self {
         match lateral {
             LateralConvention::Physical => self,
-            LateralConvention::EngineHead => self.mirrored(),
+            LateralConvention::BenchmarkMirrored => self.mirrored(),
         }
     }
 
@@ -295,7 +295,8 @@ vocabulary! {
         Physical = "physical",
         /// As the JRDB-Reasoning engine has named it since 2026-02: left and right exchanged, and for
         /// people up and down exchanged too.
-        EngineHead = "engine-head",
+        #[serde(rename = "engine_head")]
+        BenchmarkMirrored = "engine-head",
     }
 }
 

@@ -183,7 +183,7 @@ impl ProjectionArgs {
     pub(crate) fn apply(&self, config: &mut PipelineConfig) {
         config.projection.lateral = match self.lateral {
             Lateral::Physical => LateralConvention::Physical,
-            Lateral::EngineHead => LateralConvention::EngineHead,
+            Lateral::EngineHead => LateralConvention::BenchmarkMirrored,
         };
         config.projection.localizer = match self.localizer {
             LocalizerArg::DensestRange => Localizer::DensestRange,

@@ -7,11 +7,11 @@ use anyhow::Result;
 use clap::{Args, Subcommand};
 use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, check_fit, refine};
 use jrdb_cli::Error;
-use jrdb_cli::output::write;
 use jrdb_cli::calib::{
     BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, fit_text, floor_lines, refinement_text,
     tilted_more, verdict_words, with_views,
 };
+use jrdb_cli::output::write;
 use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_draw::{Overlay, Strip, draw_overlay};

@@ -62,7 +62,7 @@ impl AnswerArgs {
     pub(crate) fn search(&self) -> SearchConfig {
         match self.semantics {
             Semantics::Clean => SearchConfig { policy: self.policy.into(), ..Default::default() },
-            Semantics::Engine => SearchConfig::engine(),
+            Semantics::Engine => SearchConfig::benchmark(),
         }
     }
 
@@ -71,7 +71,7 @@ impl AnswerArgs {
         config.search = self.search();
         config.sensitivity = self.sensitivity;
         if matches!(self.semantics, Semantics::Engine) {
-            config.projection.lateral = LateralConvention::EngineHead;
+            config.projection.lateral = LateralConvention::BenchmarkMirrored;
             config.graph = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };
         }
     }

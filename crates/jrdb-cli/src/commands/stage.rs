@@ -17,9 +17,9 @@ use jrdb_search::Pooling;
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
-use super::question::{AnswerArgs, ReadingArgs, question};
 use super::args::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
 use super::print::{Format, say};
+use super::question::{AnswerArgs, ReadingArgs, question};
 
 /// Where a stage's artefact goes.
 #[derive(Debug, Args)]
@@ -76,7 +76,8 @@ pub(crate) fn perceive(args: &PerceiveArgs) -> Result<ExitCode> {
         let [x, y, w, h] = <[f64; 4]>::from(d.bbox);
         format!("{} {} score {:.3} box {x:.1} {y:.1} {w:.1} {h:.1}", d.id, d.category, d.score)
     });
-    let summary = lines.chain(report::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
+    let summary =
+        lines.chain(jrdb_render::notes(&detections.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(perception.config(), &detections, &summary)
 }
 
@@ -129,7 +130,7 @@ pub(crate) fn project(args: &ProjectArgs) -> Result<ExitCode> {
             format!("{} at {x:.2} {y:.2} {z:.2} m from {} points", e.id, p.points_used)
         }
     });
-    let summary = lines.chain(report::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
+    let summary = lines.chain(jrdb_render::notes(&entities.issues)).collect::<Vec<_>>().join("\n");
     args.output.give(json!(scene.config().projection), entities, &summary)
 }
 
@@ -179,7 +180,7 @@ pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
     let summary = if args.explain {
         jrdb_parser::explain(&text, &query)
     } else {
-        for line in report::notes(&query.issues) {
+        for line in jrdb_render::notes(&query.issues) {
             eprintln!("{line}");
         }
         notation::write(&query)
@@ -227,7 +228,7 @@ pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
         answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config);
     }
     let summary = report::answer(&query, &answer, args.answers.why_not.as_ref());
-    args.output.give(json!(config), &answer, summary.trim_end())
+    args.output.give(json!(config), &jrdb_render::with_words(answer), summary.trim_end())
 }
 
 #[derive(Debug, Args)]
@@ -270,5 +271,5 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
     args.iou.apply(&mut config);
     config.metrics.period_px = Some(args.period_px);
     let scores = jrdb_metrics::evaluate(&outcomes, &config.metrics);
-    args.output.give(json!(config.metrics), &scores, &report::scores_text(&scores))
+    args.output.give(json!(config.metrics), &scores, &jrdb_render::scores(&scores))
 }

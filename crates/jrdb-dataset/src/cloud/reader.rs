@@ -232,8 +232,10 @@ mod tests {
             let mut memory_after = |sweep: PointCloud| {
                 fs::write(path(name), bytes(&sweep)).unwrap();
                 reader.read_into(&path(name), SENSOR, Fields::All, &mut cloud).unwrap();
-                let columns = columns::numbers(&mut cloud).map(|c| (c.as_ptr(), c.capacity()));
-                let buffers = [&reader.bytes, &reader.block].map(|b| (b.as_ptr(), b.capacity()));
+                let columns =
+                    crate::cloud::columns::numbers(&mut cloud).map(|c| (c.as_ptr(), c.capacity()));
+                let buffers = [&reader.buffers.bytes, &reader.buffers.block]
+                    .map(|b| (b.as_ptr(), b.capacity()));
                 (columns, buffers)
             };
             let first = memory_after(with_gaps(9000));

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 /// The words for where a vector points to, in a frame of x ahead, y left, z up.
 ///
 /// The sector is that of the angle `atan2(y, x)` in degrees ([`Sector::of_degrees`]), the elevation that of z
-/// ([`Elevation::of_rise`]). What points nowhere is in front. [`LateralConvention::EngineHead`] gives the mirrored name.
+/// ([`Elevation::of_rise`]). What points nowhere is in front. [`LateralConvention::BenchmarkMirrored`] gives the mirrored name.
 #[must_use]
 pub fn of_vector(vector: &Vector3<f64>, lateral: LateralConvention) -> Direction {
     // The signs of two zeros would choose front or back: the sum of -0.0 and 0.0 is 0.0.
@@ -28,7 +28,7 @@ mod tests {
     #[test]
     fn left_is_left_and_the_engine_mirrors_it() {
         assert_eq!(name(90.0, 0.0, LateralConvention::Physical), "left");
-        assert_eq!(name(90.0, 0.0, LateralConvention::EngineHead), "right");
+        assert_eq!(name(90.0, 0.0, LateralConvention::BenchmarkMirrored), "right");
         assert_eq!(name(-40.0, 0.0, LateralConvention::Physical), "front right");
     }
 

@@ -88,7 +88,7 @@ pub fn from_robot(center: &Point3<f64>, lateral: LateralConvention) -> SpatialRe
 /// Where a thing at `center` is, seen from a person at `reference` who faces `heading_rad`.
 ///
 /// Without a heading there is no bearing and no direction. Under
-/// [`LateralConvention::EngineHead`] up and down are exchanged, as in the benchmark's engine.
+/// [`LateralConvention::BenchmarkMirrored`] up and down are exchanged, as in the benchmark's engine.
 #[must_use]
 pub fn from_person(
     reference: &Point3<f64>,
@@ -103,7 +103,7 @@ pub fn from_person(
     let left = cos * offset.y - sin * offset.x;
     let rise = match lateral {
         LateralConvention::Physical => offset.z,
-        LateralConvention::EngineHead => -offset.z,
+        LateralConvention::BenchmarkMirrored => -offset.z,
     };
     SpatialRelation {
         direction: Some(direction::of_vector(&Vector3::new(ahead, left, rise), lateral)),

@@ -234,7 +234,7 @@ impl Pairwise {
             LateralConvention::Physical => {
                 Direction { sector, elevation: Elevation::of_rise(rise_m) }
             }
-            LateralConvention::EngineHead => {
+            LateralConvention::BenchmarkMirrored => {
                 Direction { sector: sector.mirrored(), elevation: Elevation::of_rise(-rise_m) }
             }
         }

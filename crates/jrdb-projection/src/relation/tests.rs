@@ -104,7 +104,7 @@ proptest! {
     fn all_pairs_at_once_have_the_words_of_each_alone(
         things in prop::collection::vec((points(), -7.0..7.0), 1..12), mirrored in any::<bool>(),
     ) {
-        let lateral = if mirrored { LateralConvention::EngineHead } else { PHYSICAL };
+        let lateral = if mirrored { LateralConvention::BenchmarkMirrored } else { PHYSICAL };
         let (centers, headings): (Vec<_>, Vec<_>) = things.into_iter().unzip();
         let all = pairwise::pairwise(&centers, &headings, lateral);
         for (i, from) in centers.iter().enumerate() {

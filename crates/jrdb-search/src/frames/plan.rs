@@ -1,11 +1,13 @@
 //! Which frames a slot covers, and what is asked in them.
 
-use jrdb_graph::GraphIndex;
+use std::sync::Arc;
+
+use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::query::{Pick, Slot};
-use jrdb_types::{Pattern, Query};
+use jrdb_types::{Condition, Pattern, Query};
 
 use crate::SearchConfig;
-use crate::describe::together;
+use crate::evaluation::Evaluated;
 
 /// One slot, made ready.
 pub(super) struct Plan {
@@ -16,7 +18,16 @@ pub(super) struct Plan {
     pub(super) frames: Vec<usize>,
     /// Whether it must hold in most of the frames, or in any.
     pub(super) lasts: bool,
-    pub(super) slot: Slot,
+    pub(super) slot: Arc<Slot>,
+}
+
+/// One frame of a slot, evaluated.
+pub(super) struct Moment<'q> {
+    /// Place of the frame in the recording.
+    pub(super) frame: usize,
+    pub(super) evaluated: Evaluated<'q>,
+    /// What matches, the pick included.
+    pub(super) holds: BitSet,
 }
 
 /// The slots of a question; the whole recording where it has none.
@@ -40,9 +51,15 @@ pub(super) fn plans(
             };
             let asked = together(&query.target, &slot.conditions);
             let pattern = Pattern { pick: None, ..asked };
-            Plan { pattern, pick: query.target.pick.clone(), frames, lasts, slot }
+            Plan { pattern, pick: query.target.pick.clone(), frames, lasts, slot: Arc::new(slot) }
         })
         .collect()
+}
+
+/// Conditions of the target and of a slot together.
+fn together(target: &Pattern, more: &[Condition]) -> Pattern {
+    let conditions = target.conditions.iter().chain(more).cloned().collect();
+    Pattern { conditions, ..target.clone() }
 }
 
 /// Frames from one moment to another, both included; seconds count from the first frame's number.

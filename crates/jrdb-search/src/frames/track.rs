@@ -1,15 +1,15 @@
 //! One thing over the frames of a recording.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use jrdb_types::answer::{CandidateTrace, Check, Unit};
+use jrdb_types::answer::{CandidateTrace, Check, Criterion, Finding, Unit};
 use jrdb_types::{EntityId, PixelBox};
 
-use super::Moment;
-use super::plan::Plan;
+use super::plan::{Moment, Plan};
 use crate::config::SlotOrder;
+use crate::place;
 use crate::searcher::Searcher;
-use crate::{describe, place};
 
 /// What a track came to.
 pub(super) struct Track<'g> {
@@ -196,8 +196,11 @@ impl Track<'_> {
                 passed_relations &= verdict.passed_relations;
                 check.parts = searchers[best.frame].checks(best.number, evaluated);
                 let frame = searchers[best.frame].index.scene().frame.frame;
-                let found = check.found.unwrap_or_default();
-                check.found = Some(format!("{found}; here frame {frame}"));
+                check.finding = Some(Finding::Frames {
+                    matched: slot.matched(),
+                    seen: slot.seen.len(),
+                    shown: Some(frame),
+                });
             } else {
                 (passed_attributes, passed_relations) = (false, false);
             }
@@ -222,8 +225,8 @@ fn slot_check(slot: &InSlot, plan: &Plan, number: usize) -> Check {
     };
     let bounds = place::interval(needed as f64, f64::INFINITY);
     Check {
-        asked: describe::described(&plan.slot, number),
-        found: (seen > 0).then(|| format!("in {matched} of {seen} frames")),
+        criterion: Criterion::Slot { slot: Arc::clone(&plan.slot), number },
+        finding: (seen > 0).then_some(Finding::Frames { matched, seen, shown: None }),
         holds: slot.matches,
         probability: of_slot(0),
         measured: (seen > 0).then(|| place::measured(matched as f64, Unit::Count, bounds)),

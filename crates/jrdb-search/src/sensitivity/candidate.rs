@@ -6,9 +6,10 @@ use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Pattern, Query};
 
 use super::number::{Number, Scratch};
-use crate::evaluate::Evaluated;
+use crate::candidates::{candidates, presupposes};
+use crate::evaluation::Evaluated;
 use crate::searcher::Searcher;
-use crate::{SearchConfig, engine, ranked, search};
+use crate::{SearchConfig, benchmark, ranked};
 
 /// How far the edges reach that a pattern hangs on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -113,13 +114,13 @@ impl<'g, 'q> Candidate<'g, 'q> {
         config: &SearchConfig,
         reach: Reach,
     ) -> Option<Self> {
-        if reach == Reach::Everything || query.target.pick.is_some() || engine::pools(config) {
+        if reach == Reach::Everything || query.target.pick.is_some() || benchmark::pools(config) {
             return None;
         }
         let is_ranked = config.policy == MatchPolicy::Ranked;
-        let ranking = (is_ranked && search::presupposes(&query.task)).then(|| {
+        let ranking = (is_ranked && presupposes(&query.task)).then(|| {
             let searcher = Searcher::new(index, config);
-            let kind = search::candidates(&searcher, &query.target);
+            let kind = candidates(&searcher, &query.target);
             Ranking::new(&searcher, &searcher.evaluate_on(&query.target, kind))
         });
         let policy =

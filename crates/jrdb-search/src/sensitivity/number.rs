@@ -79,7 +79,7 @@ impl<'g> Scratch<'g> {
         self.original.nodes.iter().find(|node| node.id == *id)
     }
 
-    /// How far the thing is that a bearing is told of, metres.
+    /// How far away the thing is whose bearing a number is, metres.
     pub(super) fn range_m(&self, number: &Number) -> Option<f64> {
         match number {
             Number::Bearing(id) | Number::Row(id) => {

@@ -70,7 +70,8 @@ fn a_slot_of_seconds_is_matched_in_most_of_the_frames_one_is_seen_in() {
     let query = when(vec![does(Some([0.0, 2.0 / 15.0]), Walking)]);
     let answer = search_frames(&frames, None, &query, &SearchConfig::default());
     assert_eq!(found(&answer), [1, 3]);
-    assert_eq!(answer.trace[1].checks[0].found.as_deref(), Some("in 1 of 3 frames; here frame 30"));
+    let words = jrdb_render::found(&answer.trace[1].checks[0]);
+    assert_eq!(words.as_deref(), Some("in 1 of 3 frames; here frame 30"));
     let given = search_frames(&frames, Some(&[vec![3, 99]]), &query, &SearchConfig::default());
     assert_eq!(found(&given), [2]);
 }
@@ -86,11 +87,11 @@ fn a_question_without_slots_is_about_the_whole_recording() {
         in_order: true,
     };
     query.target.conditions.clear();
-    let Reply::Told(told) = search_frames(&frames, None, &query, &SearchConfig::default()).reply
-    else {
+    let answer = search_frames(&frames, None, &query, &SearchConfig::default());
+    let Reply::Properties(all) = jrdb_render::with_words(answer).reply else {
         panic!("expected values");
     };
-    assert_eq!(told[1].words, ["walking", "running"]);
+    assert_eq!(all[1].words, ["walking", "running"]);
 }
 
 #[test]
@@ -98,7 +99,7 @@ fn the_engine_counts_boxes_and_leaves_out_what_nobody_does() {
     let frames = recording(&[&[Some(Walking); 3], &[Some(Walking), None, Some(Running)]]);
     let query = Query { task: Task::Count, ..when(vec![does(None, Walking)]) };
     let slots = [vec![0, 1, 2]];
-    let engine = SearchConfig::engine();
+    let engine = SearchConfig::benchmark();
     let answer = search_frames(&frames, Some(&slots), &query, &engine);
     // Everybody moves a pixel a frame: three boxes of 1, one of 2.
     assert_eq!((answer.number(), found(&answer)), (Some(4), vec![1, 2]));

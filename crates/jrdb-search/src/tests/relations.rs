@@ -104,7 +104,7 @@ fn several_relations_hold_with_one_partner_unless_they_are_independent() {
     let related = Related { kinds, partner: anyone(), quantity: Quantity::SOME };
     let query = ask(vec![Condition::Related(related)]);
     assert_eq!(selected(&scene, &query, MatchPolicy::Strict), [0_u32; 0]);
-    let engine = search(&scene, &query, &SearchConfig::engine());
+    let engine = search(&scene, &query, &SearchConfig::benchmark());
     assert_eq!(engine.selection, [id(1)]);
 }
 

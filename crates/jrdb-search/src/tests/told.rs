@@ -5,9 +5,11 @@ use jrdb_types::query::{Category, Compared, Measure, Order, Place, Property, Vie
 use jrdb_types::vocab::{MatchPolicy, Sector};
 use jrdb_types::*;
 
+use jrdb_render::{explain, why_not, with_words};
+
 use super::graphs::{Beliefs, Random, at, connected, deed, id, nobody, person, random};
 use super::{ask, asked, under};
-use crate::{SearchConfig, describe, explain, search, sensitivity, why_not};
+use crate::{SearchConfig, search, sensitivity};
 
 /// A man at 1.4 m who sees a woman 1.2 m to his left, another woman at 4 m, and a table.
 fn scene() -> SceneGraph {
@@ -34,16 +36,15 @@ fn close() -> Condition {
 
 fn told(task: Task, conditions: Vec<Condition>) -> Vec<Vec<String>> {
     let query = Query { task, ..ask(conditions) };
-    let Reply::Told(told) = search(&scene(), &query, &SearchConfig::default()).reply else {
-        panic!("expected values");
-    };
-    told.into_iter().map(|told| told.words).collect()
+    let answer = with_words(search(&scene(), &query, &SearchConfig::default()));
+    let Reply::Properties(all) = answer.reply else { panic!("expected values") };
+    all.into_iter().map(|of| of.words).collect()
 }
 
 #[test]
 fn the_trace_names_the_witness_its_numbers_and_its_conditions() {
     let query = ask(vec![has_left(vec![Condition::has(Age::Elderly)])]);
-    let answer = search(&scene(), &query, &under(MatchPolicy::Strict));
+    let answer = with_words(search(&scene(), &query, &under(MatchPolicy::Strict)));
     let check = &answer.trace[0].checks[0];
     assert_eq!((check.holds, check.witnesses[0].number), (false, 2));
     assert_eq!(check.asked, "has an elderly person to its left");
@@ -92,7 +93,7 @@ fn a_query_reads_as_words() {
     };
     let lines =
         "count a person with\n  close distance from the robot\n  has a female person to its left";
-    assert_eq!(describe(&query), lines);
+    assert_eq!(jrdb_render::query(&query), lines);
 }
 
 #[test]
@@ -121,11 +122,11 @@ Nearest misses
 fn the_reason_is_the_condition_that_fails() {
     let query = ask(vec![close(), Condition::has(Gender::Female)]);
     let answer = search(&scene(), &query, &under(MatchPolicy::Strict));
-    let reason = |number| why_not(&answer, &id(number)).to_string();
+    let reason = |number| why_not(&answer, &id(number));
     assert_eq!(reason(1), "gender female: male");
     assert_eq!(reason(9), "there is no such candidate");
     let close_ones = search(&scene(), &ask(vec![close()]), &under(MatchPolicy::Strict));
-    assert_eq!(why_not(&close_ones, &id(1)).to_string(), "it is in the answer");
+    assert_eq!(why_not(&close_ones, &id(1)), "it is in the answer");
 }
 
 #[test]
@@ -155,13 +156,15 @@ fn altered(scene: &SceneGraph, change: &answer::Change, value: f64) -> Option<Sc
     let mut scene = scene.clone();
     let owner = change.witness.as_ref().unwrap_or(&change.id);
     let node = scene.nodes.iter_mut().find(|node| node.id == *owner)?;
-    if change.measured.unit == Unit::Metres && change.condition.ends_with("from the robot") {
+    let answer::Criterion::Condition(condition) = &change.criterion else { return None };
+    if let (Condition::FromRobot(_), Unit::Metres) = (&**condition, change.measured.unit) {
         let place = node.from_robot.as_mut()?;
         place.distance_m = Some(value);
         place.distance = DistanceWord::of_metres(value);
         return Some(scene);
     }
-    let gender = change.condition.strip_prefix("gender ").and_then(Gender::from_word)?;
+    let Condition::Attribute(asked) = **condition else { return None };
+    let gender = *Gender::ALL.iter().find(|gender| asked == (**gender).into())?;
     let [other] = Gender::ALL.iter().filter(|g| **g != gender).copied().collect::<Vec<_>>()[..]
     else {
         return None;

@@ -13,7 +13,7 @@ use jrdb_types::{EntityId, Image, PixelBox};
 use super::furniture::{Furniture, Part, chair, placed};
 use super::person::{Person, Pose};
 use super::robot::Panorama;
-use super::room::{Color, Room};
+use super::room::Room;
 use canvas::{Canvas, Extent};
 use person::Facing;
 

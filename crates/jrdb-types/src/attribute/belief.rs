@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Attribute, AttributeValue};
+use super::table::for_each_attribute;
+use super::value::{Attribute, AttributeValue};
 use crate::vocab::Facing;
 
 /// Probabilities of the values of one attribute; a value that is absent has probability 0, and an
@@ -139,6 +140,39 @@ impl Attributes {
         }
     }
 }
+
+/// Getters and setters of each attribute, in the types of its values.
+macro_rules! typed_beliefs {
+    ($(
+        $(#[doc = $doc:literal])+
+        $variant:ident($value:ty) {
+            get: $get:ident, set: $set:ident, with: $with:ident, $($row:tt)*
+        }
+    )+) => {
+        impl Attributes {
+            $($(#[doc = $doc])+ #[must_use]
+            pub fn $get(&self) -> Belief<$value> {
+                let known = self.belief(Attribute::$variant).entries().iter();
+                Belief(known.map(|&(value, p)| (<$value>::ALL[value.index()], p)).collect())
+            }
+
+            #[doc = concat!("Replaces the belief of [`Self::", stringify!($get), "`].")]
+            pub fn $set(&mut self, belief: Belief<$value>) {
+                let entries = belief.0.into_iter().map(|(value, p)| (AttributeValue::$get(value), p));
+                self.set(Attribute::$variant, entries);
+            }
+
+            #[doc = concat!("The same with another belief of [`Self::", stringify!($get), "`].")]
+            #[must_use]
+            pub fn $with(mut self, belief: Belief<$value>) -> Self {
+                self.$set(belief);
+                self
+            })+
+        }
+    };
+}
+
+for_each_attribute!(typed_beliefs);
 
 /// What is believed of one attribute of one person: values with their probabilities, in the order of the vocabulary.
 #[derive(Debug, Clone, Copy, PartialEq)]

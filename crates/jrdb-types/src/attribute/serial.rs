@@ -8,7 +8,9 @@ use serde::de::{
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Attribute, AttributeBelief, AttributeValue, Attributes, Belief};
+use super::belief::{AttributeBelief, Attributes, Belief};
+use super::table::for_each_attribute;
+use super::value::{Attribute, AttributeValue};
 use crate::vocab::Facing;
 
 /// Key of the facing in JSON, which follows this attribute: files have had it there from the start.
@@ -16,7 +18,7 @@ const FACING: &str = "facing";
 const FACING_FOLLOWS: Attribute = Attribute::Action;
 
 /// What has to know the type of an attribute's values; implemented by the table.
-pub(super) trait Typed: Sized {
+trait Typed: Sized {
     /// Reads a value, `"young"`.
     fn read_value<'de, D: Deserializer<'de>>(self, from: D) -> Result<AttributeValue, D::Error>;
 
@@ -29,6 +31,58 @@ pub(super) trait Typed: Sized {
     /// Writes a value, `"young"`.
     fn write_value<S: Serializer>(value: AttributeValue, to: S) -> Result<S::Ok, S::Error>;
 }
+
+macro_rules! typed {
+    ($(
+        $(#[doc = $doc:literal])+
+        $variant:ident($value:ty) {
+            get: $get:ident, set: $set:ident, with: $with:ident, $($row:tt)*
+        }
+    )+) => {
+        impl Typed for Attribute {
+            fn read_value<'de, D: Deserializer<'de>>(self, from: D) -> Result<AttributeValue, D::Error> {
+                match self {
+                    $(Self::$variant => <$value>::deserialize(from).map(AttributeValue::$get),)+
+                }
+            }
+
+            fn read_belief<'de, D: Deserializer<'de>>(
+                self,
+                from: D,
+            ) -> Result<Vec<(AttributeValue, f64)>, D::Error> {
+                match self {
+                    $(Self::$variant => {
+                        let belief = Belief::<$value>::deserialize(from)?;
+                        Ok(belief.0.into_iter().map(|(value, p)| (AttributeValue::$get(value), p)).collect())
+                    })+
+                }
+            }
+
+            fn write_value<S: Serializer>(value: AttributeValue, to: S) -> Result<S::Ok, S::Error> {
+                match value.attribute() {
+                    $(Self::$variant => <$value>::ALL[value.index()].serialize(to),)+
+                }
+            }
+        }
+
+        #[cfg(feature = "schema")]
+        impl schema::Described for Attribute {
+            fn description(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc),+).trim(),)+ }
+            }
+
+            fn value_schema(self, generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                match self { $(Self::$variant => generator.subschema_for::<$value>(),)+ }
+            }
+
+            fn belief_schema(self, generator: &mut schemars::SchemaGenerator) -> schemars::Schema {
+                match self { $(Self::$variant => generator.subschema_for::<Belief<$value>>(),)+ }
+            }
+        }
+    };
+}
+
+for_each_attribute!(typed);
 
 impl Serialize for Attribute {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -186,7 +240,7 @@ mod schema {
     use super::{Attribute, AttributeValue, Attributes, Belief, FACING, Facing};
 
     /// What the schema has to know of an attribute; implemented by the table.
-    pub(in super::super) trait Described {
+    pub(super) trait Described {
         /// What the attribute is.
         fn description(self) -> &'static str;
 
@@ -264,9 +318,6 @@ mod schema {
         }
     }
 }
-
-#[cfg(feature = "schema")]
-pub(super) use schema::Described;
 
 #[cfg(test)]
 mod tests {

@@ -158,6 +158,7 @@ fn bad_compression(expected: usize, found: String) -> PcdError {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::pcd::write;
     use proptest::prelude::*;
 
     const ENCODINGS: [Encoding; 3] =

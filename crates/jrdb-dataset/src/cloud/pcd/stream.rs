@@ -11,8 +11,8 @@ use super::encoding::Encoding;
 use super::error::PcdError;
 use super::header::Header;
 use crate::Error;
-use crate::cloud::columns::{ByteOrder, Growing};
 use crate::cloud::buffers::Buffers;
+use crate::cloud::columns::{ByteOrder, Growing};
 use crate::cloud::error::CloudError;
 use crate::cloud::fields::Fields;
 
@@ -113,6 +113,7 @@ impl Source<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cloud::Reader;
     use crate::cloud::pcd::{parse, write};
 
     fn cloud(points: usize) -> PointCloud {

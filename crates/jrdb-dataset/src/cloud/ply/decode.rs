@@ -27,7 +27,11 @@ pub fn parse(bytes: &[u8], sensor: &str) -> Result<PointCloud, PlyError> {
 }
 
 /// [`parse`], of some fields only, into a cloud.
-pub(in crate::cloud) fn fill(bytes: &[u8], fields: Fields, cloud: &mut PointCloud) -> Result<(), PlyError> {
+pub(in crate::cloud) fn fill(
+    bytes: &[u8],
+    fields: Fields,
+    cloud: &mut PointCloud,
+) -> Result<(), PlyError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
     match header.encoding {

@@ -1,31 +1,35 @@
-//! An answer for a person to read.
+//! An answer with all its reasons.
 
 use std::fmt::Write as _;
 
-use jrdb_types::answer::{CandidateTrace, Check, Reply};
+use jrdb_types::answer::{CandidateTrace, Check, PropertyValues, Reply};
 use jrdb_types::{Answer, EntityId};
 
-use crate::{describe, found, why_not};
+use crate::check::{asked, found_or_unknown, ids, margin};
+use crate::{property, query, why_not};
 
-/// So many of those that are not selected are told of.
+/// How many of the candidates that are not selected are shown.
 const MISSES: usize = 3;
 
 /// Cells that are longer are not padded to: one long condition should not push the others' findings out of sight.
 const WIDTH_MAX: usize = 44;
 
+/// A probability nearer than this to 0 or 1 reads "0.00" or "1.00".
+const ROUNDING: f64 = 0.005;
+
 /// An answer with its reasons: the reply in a sentence, every selected candidate with its conditions, then the nearest misses.
 ///
-/// At most `limit` selected ones are told of, and three misses. A line of a condition reads: whether it holds, what was asked,
-/// what was found, how far that is from the bound, and with which partner. The answer's issues are not told.
+/// At most `limit` selected candidates and three misses are shown. The line of a condition holds whether it holds, what was
+/// asked, what was found, how far that is from the bound, and the partner. The answer's issues are not included.
 #[must_use]
 pub fn explain(answer: &Answer, limit: usize) -> String {
     let mut text = format!("{}\n", sentence(answer, limit));
     let (selected, others): (Vec<_>, Vec<_>) = answer.trace.iter().partition(|t| t.selected);
-    let told = || selected.iter().filter(|trace| !trace.checks.is_empty());
-    for trace in told().take(limit) {
+    let with_checks = || selected.iter().filter(|trace| !trace.checks.is_empty());
+    for trace in with_checks().take(limit) {
         candidate(answer, trace, &mut text);
     }
-    omitted(told().count(), limit, "selected", &mut text);
+    omitted(with_checks().count(), limit, "selected", &mut text);
     let misses = nearest(answer, &others);
     if !misses.is_empty() {
         text.push_str("\nNearest misses\n");
@@ -46,18 +50,10 @@ fn omitted(count: usize, limit: usize, what: &str, text: &mut String) {
 /// The reply in a sentence; when even those selected lack something, it says so.
 fn sentence(answer: &Answer, limit: usize) -> String {
     let reply = reply(answer, limit);
-    if is_nearest_only(answer) {
+    if answer.is_nearest_only() {
         return format!("Nothing satisfies all that was asked; what comes nearest: {reply}");
     }
     reply
-}
-
-/// Whether everything selected lacks something that was asked: the answer is what comes nearest, not what was asked for.
-#[must_use]
-pub fn is_nearest_only(answer: &Answer) -> bool {
-    let lacks = |trace: &CandidateTrace| trace.checks.iter().any(|check| !check.holds);
-    let mut selected = answer.trace.iter().filter(|trace| trace.selected).peekable();
-    selected.peek().is_some() && selected.all(lacks)
 }
 
 fn reply(answer: &Answer, limit: usize) -> String {
@@ -73,38 +69,32 @@ fn reply(answer: &Answer, limit: usize) -> String {
                 format!("{word}: {}.", some())
             }
         }
-        Reply::Told(told) if told.is_empty() => "Nobody of whom it could be told.".into(),
-        Reply::Told(told) => {
-            let lines = told.iter().map(|told| {
-                let property = told.property.map(|p| format!("{} ", describe::property(p)));
-                let words =
-                    if told.words.is_empty() { "unknown".into() } else { told.words.join("; ") };
-                format!("{}: {}{words}", told.id.short(), property.unwrap_or_default())
-            });
-            lines.collect::<Vec<_>>().join("\n")
-        }
+        Reply::Properties(all) if all.is_empty() => "Nobody of whom it could be told.".into(),
+        Reply::Properties(all) => all.iter().map(properties).collect::<Vec<_>>().join("\n"),
         Reply::Things if answer.selection.is_empty() => "Nothing matches.".into(),
         Reply::Things => format!("{}.", some()),
     }
 }
 
+fn properties(of: &PropertyValues) -> String {
+    let property = of.property.map(|property| format!("{} ", query::property(property)));
+    let words = property::words(of);
+    let words = if words.is_empty() { "unknown".into() } else { words.join("; ") };
+    format!("{}: {}{words}", of.id.short(), property.unwrap_or_default())
+}
+
 /// The first of some ids.
-fn some(ids: &[EntityId], limit: usize) -> String {
-    match ids.split_at_checked(limit) {
+fn some(all: &[EntityId], limit: usize) -> String {
+    match all.split_at_checked(limit) {
         Some((first, rest)) if !rest.is_empty() => {
-            format!("{} … and {} more", listed(first), rest.len())
+            format!("{} … and {} more", ids(first, ", "), rest.len())
         }
-        _ => listed(ids),
+        _ => ids(all, ", "),
     }
 }
 
-fn listed(ids: &[EntityId]) -> String {
-    ids.iter().map(EntityId::short).collect::<Vec<_>>().join(", ")
-}
-
 fn probability(answer: &Answer, id: &EntityId) -> f64 {
-    let ranked = answer.ranking.iter().find(|ranked| ranked.id == *id);
-    ranked.map_or(0.0, |ranked| ranked.probability)
+    answer.probability(id).unwrap_or(0.0)
 }
 
 fn candidate(answer: &Answer, trace: &CandidateTrace, text: &mut String) {
@@ -129,7 +119,7 @@ fn nearest<'a>(answer: &Answer, others: &[&'a CandidateTrace]) -> Vec<&'a Candid
 
 fn miss(answer: &Answer, trace: &CandidateTrace, text: &mut String) {
     let _ = writeln!(text, "  {}  p = {:.2}", trace.id.short(), probability(answer, &trace.id));
-    for line in why_not(answer, &trace.id).to_string().lines() {
+    for line in why_not::why_not(answer, &trace.id).lines() {
         let _ = writeln!(text, "    {line}");
     }
 }
@@ -141,28 +131,23 @@ struct Row {
 }
 
 fn rows_of(check: &Check, depth: usize, rows: &mut Vec<Row>) {
-    let margin = check.measured.as_ref().map(found::margin).unwrap_or_default();
-    // Rounded like this, what is all but sure is sure.
-    let probability = format!("p = {:.2}", check.probability);
-    let is_sure = probability == "p = 1.00" || probability == "p = 0.00";
-    let probability = if is_sure { String::new() } else { probability };
+    let margin = check.measured.as_ref().and_then(margin);
+    let is_sure = check.probability < ROUNDING || check.probability > 1.0 - ROUNDING;
+    let probability = (!is_sure).then(|| format!("p = {:.2}", check.probability));
     let is_group = !check.parts.is_empty() && !check.witnesses.is_empty();
     let witness =
-        if is_group { format!("→ {}", listed(&check.witnesses)) } else { String::new() };
-    let numbers = [margin, probability];
-    let numbers: Vec<String> = numbers.into_iter().filter(|words| !words.is_empty()).collect();
+        if is_group { format!("→ {}", ids(&check.witnesses, ", ")) } else { String::new() };
+    let numbers: Vec<String> = margin.into_iter().chain(probability).collect();
     rows.push(Row {
         mark: if check.holds { '✓' } else { '✗' },
         cells: [
-            format!("{:width$}{}", "", check.asked, width = 2 * depth),
-            check.found.clone().unwrap_or_else(|| "unknown".into()),
+            format!("{:width$}{}", "", asked(check), width = 2 * depth),
+            found_or_unknown(check),
             numbers.join(", "),
             witness,
         ],
     });
-    // A relation's only part says what it says itself, and so do alternatives of one attribute.
-    let parts = check.parts.iter().filter(|part| part.found != check.found);
-    parts.for_each(|part| rows_of(part, depth + 1, rows));
+    check.telling_parts().for_each(|part| rows_of(part, depth + 1, rows));
 }
 
 fn table(rows: &[Row], text: &mut String) {

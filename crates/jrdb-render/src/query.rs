@@ -1,7 +1,7 @@
 //! A whole question, in words.
 
 use jrdb_types::query::{Order, Property, Slot};
-use jrdb_types::{Condition, Pattern, Query, Task};
+use jrdb_types::{Pattern, Query, Task};
 
 use crate::wording;
 
@@ -11,25 +11,25 @@ use crate::wording;
 /// use jrdb_types::{Condition, Gender, Query};
 /// let mut query = Query::default();
 /// query.target.conditions.push(Condition::has(Gender::Male));
-/// assert_eq!(jrdb_search::describe(&query), "find a person with\n  gender male");
+/// assert_eq!(jrdb_render::query(&query), "find a person with\n  gender male");
 /// ```
 #[must_use]
-pub fn describe(query: &Query) -> String {
+pub fn query(query: &Query) -> String {
     let target = &query.target;
     let noun = wording::pattern(&Pattern::of(target.category.clone()));
-    let mut lines: Vec<String> = target.conditions.iter().map(wording::asked).collect();
+    let mut lines: Vec<String> = target.conditions.iter().map(wording::condition).collect();
     lines.extend(target.pick.as_ref().map(wording::pick));
-    lines.extend(query.slots.iter().zip(1..).map(|(slot, number)| described(slot, number)));
+    lines.extend(query.slots.iter().zip(1..).map(|(slot, number)| self::slot(slot, number)));
     let with = if lines.is_empty() { "" } else { " with" };
     let lines: String = lines.iter().map(|line| format!("\n  {line}")).collect();
     let than = match &query.task {
         Task::CompareCounts { than, .. } => format!("\nthan {}", wording::description(than)),
         _ => String::new(),
     };
-    format!("{}{with}{lines}{than}", asked(&query.task, &noun))
+    format!("{}{with}{lines}{than}", task(&query.task, &noun))
 }
 
-fn asked(task: &Task, noun: &str) -> String {
+fn task(task: &Task, noun: &str) -> String {
     match task {
         Task::Find => format!("find {noun}"),
         Task::Count => format!("count {noun}"),
@@ -47,8 +47,9 @@ fn asked(task: &Task, noun: &str) -> String {
     }
 }
 
-pub(crate) fn described(slot: &Slot, number: usize) -> String {
-    let conditions: Vec<String> = slot.conditions.iter().map(wording::asked).collect();
+/// A stretch of a recording with its conditions: `then during 2 to 5 s action sitting`.
+pub(crate) fn slot(slot: &Slot, number: usize) -> String {
+    let conditions: Vec<String> = slot.conditions.iter().map(wording::condition).collect();
     let then = if number == 1 { "" } else { "then " };
     let during = slot.during_s.map(|[from, to]| format!("during {from} to {to} s "));
     let conditions =
@@ -59,10 +60,4 @@ pub(crate) fn described(slot: &Slot, number: usize) -> String {
 /// The name of a property in words: `social interaction`.
 pub(crate) fn property(property: Property) -> String {
     property.name().replace('_', " ")
-}
-
-/// Conditions of the target and of a slot together.
-pub(crate) fn together(target: &Pattern, more: &[Condition]) -> Pattern {
-    let conditions = target.conditions.iter().chain(more).cloned().collect();
-    Pattern { conditions, ..target.clone() }
 }

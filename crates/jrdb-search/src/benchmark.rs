@@ -4,14 +4,14 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use jrdb_graph::{BitSet, GraphIndex};
-use jrdb_types::answer::Seen;
+use jrdb_types::answer::Sighting;
 use jrdb_types::query::{RelationKind, Slot};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, EntityId, Pattern, Query, Related, SceneGraph};
 
 use crate::SearchConfig;
+use crate::candidates::{by_sets, ids as ids_of};
 use crate::config::{Existentials, Pooling};
-use crate::search::by_sets;
 use crate::searcher::Searcher;
 
 /// The engine's unit: a thing with one box, so that whoever moves counts once per box. The box as its bits.
@@ -28,13 +28,13 @@ pub(crate) fn pools(config: &SearchConfig) -> bool {
 /// `frames` are the slot's. Unlike for a whole question, a condition that nobody satisfies leaves nobody.
 ///
 /// ```
-/// use jrdb_search::{SearchConfig, engine_sub_answer};
+/// use jrdb_search::{SearchConfig, benchmark_sub_answer};
 /// use jrdb_types::{Condition, Gender};
-/// let women = engine_sub_answer(&[], &[Condition::has(Gender::Female)], &SearchConfig::engine());
+/// let women = benchmark_sub_answer(&[], &[Condition::has(Gender::Female)], &SearchConfig::benchmark());
 /// assert!(women.is_empty());
 /// ```
 #[must_use]
-pub fn engine_sub_answer(
+pub fn benchmark_sub_answer(
     frames: &[&SceneGraph],
     conditions: &[Condition],
     config: &SearchConfig,
@@ -45,7 +45,7 @@ pub fn engine_sub_answer(
         let pattern = Pattern { conditions: conditions.to_vec(), ..Pattern::default() };
         let found = indices.iter().flat_map(|index| {
             let searcher = Searcher::new(index, &config.with(MatchPolicy::Strict));
-            crate::search::ids(index, &by_sets(&searcher, &pattern))
+            ids_of(index, &by_sets(&searcher, &pattern))
         });
         found.collect()
     };
@@ -62,7 +62,7 @@ pub(crate) fn pooled(
     frames: &[&GraphIndex<'_>],
     pattern: &Pattern,
     config: &SearchConfig,
-) -> Vec<Seen> {
+) -> Vec<Sighting> {
     let of = |conditions: &[Condition]| pool(frames, pattern, conditions, config);
     let mut left = of(&[]);
     for condition in &pattern.conditions {
@@ -76,7 +76,7 @@ pub(crate) fn pooled(
         let frame = index.scene().frame.frame;
         for (_, node) in index.nodes() {
             if left.remove(&unit(&node.id, node.bbox.into())) {
-                seen.push(Seen { id: node.id.clone(), frame, bbox: node.bbox });
+                seen.push(Sighting { id: node.id.clone(), frame, bbox: node.bbox });
             }
         }
     }

@@ -1,16 +1,16 @@
-//! What is asked, in words.
+//! Conditions and patterns of the query algebra, in words.
 
 use jrdb_types::query::{
     Category, Compared, Interval, Measure, Order, Pick, Place, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
 use jrdb_types::{
-    Age, AttributeBelief, AttributeValue, AttributeWording, Condition, Direction, Pattern,
-    Quantity, Related,
+    Age, AttributeValue, AttributeWording, Condition, Direction, Pattern, Quantity, Related,
 };
 
-/// What a condition asks for.
-pub(crate) fn asked(condition: &Condition) -> String {
+/// A condition in words: `age young`, `close distance from the robot`.
+#[must_use]
+pub fn condition(condition: &Condition) -> String {
     match condition {
         Condition::Attribute(value) => attribute_value(*value),
         Condition::FromRobot(place) => from_robot(place),
@@ -57,9 +57,9 @@ fn attribute_value(value: AttributeValue) -> String {
 fn part(condition: &Condition) -> String {
     match condition {
         Condition::Any(_) | Condition::All(_) | Condition::Not(_) => {
-            format!("({})", asked(condition))
+            format!("({})", self::condition(condition))
         }
-        _ => asked(condition),
+        _ => self::condition(condition),
     }
 }
 
@@ -133,7 +133,7 @@ pub(crate) fn kind(kind: &RelationKind, partner: &str) -> String {
     match kind {
         RelationKind::Placed { place, viewpoint } => placed(place, *viewpoint, partner),
         RelationKind::Pair(word) => pair(*word, partner),
-        RelationKind::Interaction(label) => deed(label, partner),
+        RelationKind::Interaction(label) => interaction(label, partner),
         RelationKind::With => format!("with {partner}"),
         RelationKind::Between(other) => format!("between {partner} and {}", pattern(other)),
     }
@@ -158,9 +158,9 @@ fn pair(word: PairWord, partner: &str) -> String {
     }
 }
 
-fn deed(label: &str, partner: &str) -> String {
+fn interaction(label: &str, partner: &str) -> String {
     match label.strip_suffix(" together") {
-        Some(deed) => format!("{deed} together with {partner}"),
+        Some(verb) => format!("{verb} together with {partner}"),
         None if label == "conversation" => format!("in conversation with {partner}"),
         None => format!("{label} {partner}"),
     }
@@ -246,7 +246,8 @@ fn ordinal(number: u32) -> String {
 }
 
 /// A pattern as a noun phrase, `a young female person`.
-pub(crate) fn pattern(pattern: &Pattern) -> String {
+#[must_use]
+pub fn pattern(pattern: &Pattern) -> String {
     match (&pattern.category, &pattern.pick) {
         (Category::Robot, _) => "the robot".into(),
         (_, Some(picked)) => format!("{} of the {}s", pick(picked), description(pattern)),
@@ -268,7 +269,7 @@ pub(crate) fn description(pattern: &Pattern) -> String {
     let words: Vec<String> = words.filter_map(adjective).collect();
     let adjectives = if words.is_empty() { String::new() } else { format!("{} ", words.join(" ")) };
     let clauses: String =
-        clauses.into_iter().map(|clause| format!(" ({})", asked(clause))).collect();
+        clauses.into_iter().map(|clause| format!(" ({})", condition(clause))).collect();
     let noun = if is_child { "child" } else { noun(&pattern.category) };
     format!("{adjectives}{noun}{clauses}")
 }
@@ -294,14 +295,5 @@ fn adjective(condition: &Condition) -> Option<String> {
             words.filter(|words| !words.is_empty()).map(|words| words.join("/"))
         }
         _ => None,
-    }
-}
-
-/// The most probable value, with its probability when it is not certain.
-pub(crate) fn belief(belief: AttributeBelief<'_>) -> Option<String> {
-    let best = belief.best()?;
-    match belief.probability(best) {
-        1.0 => Some(best.to_string()),
-        p => Some(format!("{best} ({p:.2})")),
     }
 }

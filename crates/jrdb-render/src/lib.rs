@@ -1,0 +1,25 @@
+#![doc = include_str!("../README.md")]
+
+mod brief;
+mod change;
+mod check;
+mod explain;
+mod issue;
+mod property;
+mod query;
+mod scores;
+mod why_not;
+mod wording;
+mod words;
+
+pub use brief::{brief, ids};
+pub use change::change;
+pub use check::{asked, found};
+pub use explain::explain;
+pub use issue::{notes, query_issue};
+pub use property::property_value;
+pub use query::query;
+pub use scores::{scores, truth};
+pub use why_not::why_not;
+pub use wording::{condition, pattern};
+pub use words::with_words;
