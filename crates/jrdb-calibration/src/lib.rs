@@ -5,6 +5,7 @@ mod config;
 mod error;
 mod fit;
 mod floor;
+mod least_squares;
 mod plane;
 #[cfg(test)]
 mod scene;

@@ -1,6 +1,8 @@
 //! A plane, and the plane that fits points best.
 
-use nalgebra::{Matrix3, Point3, SymmetricEigen, Vector3};
+use nalgebra::{Matrix3, Point3, Vector3};
+
+use crate::least_squares::least_direction;
 
 /// The points `p` with `normal · p = offset_m`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,6 +45,9 @@ pub(crate) struct Fit {
     pub(crate) spread_m: f64,
 }
 
+/// What is said of points whose coordinates are not numbers: a level plane, infinitely uncertain.
+const LEVEL: ([f64; 3], [f64; 3]) = ([f64::INFINITY; 3], [0.0, 0.0, 1.0]);
+
 /// Total least squares: the plane through the centroid, normal to the eigenvector of the scatter
 /// matrix's smallest eigenvalue.
 ///
@@ -54,11 +59,10 @@ pub(crate) fn fit(points: &[Point3<f64>]) -> Fit {
         let arm = point.coords - centroid;
         sum + arm * arm.transpose()
     }) / count;
-    let eigen = SymmetricEigen::new(scatter);
-    let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| eigen.eigenvalues[i].total_cmp(&eigen.eigenvalues[j]));
-    let deviation_m = |rank: usize| eigen.eigenvalues[order[rank]].max(0.0).sqrt();
-    let direction = eigen.eigenvectors.column(order[0]).into_owned();
+    let entry = |row, column| scatter[(row, column)];
+    let (variances, direction) = least_direction::<3>(entry).unwrap_or(LEVEL);
+    let deviation_m = |rank: usize| variances[rank].max(0.0).sqrt();
+    let direction = Vector3::from(direction);
     let normal = if direction.z < 0.0 { -direction } else { direction };
     let plane = Plane { normal, offset_m: normal.dot(&centroid) };
     Fit { plane, rms_m: deviation_m(0), spread_m: deviation_m(1) }

@@ -6,6 +6,7 @@ use jrdb_types::score::QuestionScore;
 use jrdb_types::{Answer, Artefact, EntityId, FrameId, Query, with_causes};
 use serde_json::{Value, json};
 
+use crate::misses;
 use crate::questions::Answered;
 use crate::result::{FrameOutput, FrameResult, RunSummary};
 
@@ -20,6 +21,8 @@ pub enum Detail {
     Brief,
     /// Every condition with its number and margin, and the nearest misses.
     Full,
+    /// Only what is not as the truth says, with what led to it, and how many questions are.
+    Misses,
 }
 
 /// What is told of answers.
@@ -120,10 +123,30 @@ fn frame_text(text: &mut String, output: &FrameOutput, telling: &Telling) {
     {
         line(text, &format!("  {note}"));
     }
-    for answered in answered {
-        answered_text(text, answered, telling);
+    if telling.detail == Detail::Misses {
+        misses_text(text, output, telling);
+    } else {
+        answered.iter().for_each(|answered| answered_text(text, answered, telling));
     }
     text.push('\n');
+}
+
+/// How many questions are answered as the truth says, and the others with what led to it.
+fn misses_text(
+    text: &mut String,
+    FrameOutput { scene, answered }: &FrameOutput,
+    telling: &Telling,
+) {
+    let verdicts = answered.iter().filter_map(|one| one.score.as_ref()?.exact);
+    let exact = verdicts.clone().filter(|is_exact| *is_exact).count();
+    line(text, &format!("  {exact} of {} questions are answered exactly", verdicts.count()));
+    let is_told = |one: &&Answered| one.score.as_ref().and_then(|score| score.exact) != Some(true);
+    for one in answered.iter().filter(is_told) {
+        answered_text(text, one, telling);
+        for reason in misses::reasons(one, scene) {
+            line(text, &format!("    because {reason}"));
+        }
+    }
 }
 
 fn answered_text(text: &mut String, asked: &Answered, telling: &Telling) {
@@ -132,7 +155,7 @@ fn answered_text(text: &mut String, asked: &Answered, telling: &Telling) {
         line(text, &indent(&jrdb_render::query_issue(&asked.query.text, issue), "  "));
     }
     match telling.detail {
-        Detail::Brief => brief(text, &asked.answer),
+        Detail::Brief | Detail::Misses => brief(text, &asked.answer),
         Detail::Full => {
             line(text, &indent(&jrdb_render::explain(&asked.answer, EXPLAINED_MAX), "    "));
         }

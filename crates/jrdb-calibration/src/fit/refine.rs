@@ -2,13 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use nalgebra::{DMatrix, DVector};
+use faer::{Col, Mat};
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{Edges, Evidence};
 use super::score::{self, Curve, Sum};
 use super::{FitConfig, Freedom, Motion, View};
 use crate::Error;
+use crate::least_squares::covariance;
 
 /// Each freedom in turn is moved to its best, so often.
 const ROUNDS: usize = 3;
@@ -152,20 +153,20 @@ impl Search<'_> {
     /// larger; none where the score has no top.
     fn deviations(&self, motion: &Motion, free: &[Freedom]) -> Vec<Option<f64>> {
         let nowhere = vec![None; free.len()];
-        let curvature = -self.curvature(motion, free);
-        let Some(cholesky) = curvature.cholesky() else { return nowhere };
-        let inverse = cholesky.inverse();
+        let curvature = self.curvature(motion, free);
+        let Some(inverse) = covariance(&curvature) else { return nowhere };
         let slopes = self.slopes(motion, free);
         let count = slopes.len() as f64;
         if count < 2.0 {
             return nowhere;
         }
-        let mean = slopes.iter().fold(DVector::zeros(free.len()), |sum, s| sum + s) / count;
-        let scatter = slopes.iter().fold(DMatrix::zeros(free.len(), free.len()), |sum, slope| {
-            let off = slope - &mean;
-            sum + &off * off.transpose()
+        let mean = |i: usize| slopes.iter().map(|slope| slope[i]).sum::<f64>() / count;
+        let means: Vec<f64> = (0..free.len()).map(mean).collect();
+        let scatter = Mat::from_fn(free.len(), free.len(), |i, j| {
+            slopes.iter().map(|slope| (slope[i] - means[i]) * (slope[j] - means[j])).sum::<f64>()
         });
-        let covariance = &inverse * scatter * &inverse * (count / (count - 1.0));
+        let covariance = &inverse * scatter * &inverse;
+        let correction = count / (count - 1.0);
         let deviation = |i: usize| {
             let bias = match free[i] {
                 Freedom::Yaw => 0.0,
@@ -173,7 +174,7 @@ impl Search<'_> {
                 Freedom::Height => self.config.height_bias_m,
             };
             let by_leaving_out = self.curve(motion, free[i]).measure().deviation;
-            covariance[(i, i)].max(0.0).sqrt().max(by_leaving_out).hypot(bias)
+            (covariance[(i, i)] * correction).max(0.0).sqrt().max(by_leaving_out).hypot(bias)
         };
         (0..free.len()).map(|i| Some(deviation(i))).collect()
     }
@@ -191,11 +192,11 @@ impl Search<'_> {
         motion.with(freedom, motion.get(freedom) + steps * self.reach(freedom))
     }
 
-    /// Second differences of the score.
-    fn curvature(&self, motion: &Motion, free: &[Freedom]) -> DMatrix<f64> {
+    /// Second differences of the score, with the sign of a sum of squares: positive definite at a top.
+    fn curvature(&self, motion: &Motion, free: &[Freedom]) -> Mat<f64> {
         let score = |motion: &Motion| score::score(&self.units(motion));
         let top = score(motion);
-        DMatrix::from_fn(free.len(), free.len(), |i, j| {
+        Mat::from_fn(free.len(), free.len(), |i, j| {
             let (a, b) = (free[i], free[j]);
             let at = |p: f64, q: f64| score(&self.moved(&self.moved(motion, a, p), b, q));
             let second = if i == j {
@@ -203,19 +204,19 @@ impl Search<'_> {
             } else {
                 (at(1.0, 1.0) - at(1.0, -1.0) - at(-1.0, 1.0) + at(-1.0, -1.0)) / 4.0
             };
-            second / (self.reach(a) * self.reach(b))
+            -second / (self.reach(a) * self.reach(b))
         })
     }
 
     /// Slopes of each unit's share of the score.
-    fn slopes(&self, motion: &Motion, free: &[Freedom]) -> Vec<DVector<f64>> {
+    fn slopes(&self, motion: &Motion, free: &[Freedom]) -> Vec<Col<f64>> {
         let sides = |&freedom: &Freedom| {
             [1.0, -1.0].map(|side| score::shares(&self.units(&self.moved(motion, freedom, side))))
         };
         let differences: Vec<_> = free.iter().map(sides).collect();
         let used = differences.first().map_or(0, |[up, _]| up.len());
         let slope = |unit: usize| {
-            DVector::from_fn(free.len(), |i, _| {
+            Col::from_fn(free.len(), |i| {
                 let [up, down] = &differences[i];
                 (up[unit] - down[unit]) / (2.0 * self.reach(free[i]))
             })

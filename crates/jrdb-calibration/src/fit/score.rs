@@ -1,6 +1,6 @@
 //! How well the image's edges lie on the cloud's, over one way of moving the cloud.
 
-use nalgebra::{Matrix3, Vector3};
+use crate::least_squares;
 use serde::{Deserialize, Serialize};
 
 use super::config::PARABOLA_STEPS;
@@ -155,15 +155,13 @@ impl Curve {
 /// Where the least-squares parabola through evenly spaced values has its top, in steps from the middle.
 fn vertex(values: &[f64]) -> Option<f64> {
     let middle = (values.len() / 2) as f64;
-    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
-    for (i, value) in values.iter().enumerate() {
+    let row = |(i, value): (usize, &f64)| {
         let x = i as f64 - middle;
-        let row = Vector3::new(1.0, x, x * x);
-        normal += row * row.transpose();
-        right += row * *value;
-    }
-    let fit = normal.cholesky()?.solve(&right);
-    (fit[2] < 0.0).then(|| -fit[1] / (2.0 * fit[2]))
+        ([1.0, x, x * x], *value)
+    };
+    let rows: Vec<_> = values.iter().enumerate().map(row).collect();
+    let [_, slope, curvature] = least_squares::solve(&rows)?;
+    (curvature < 0.0).then(|| -slope / (2.0 * curvature))
 }
 
 #[cfg(test)]

@@ -55,6 +55,9 @@ pub(crate) struct RunArgs {
     /// Tell every condition with its number and margin, and the nearest misses
     #[arg(long)]
     explain: bool,
+    /// Print how many questions are answered as the truth says, and only the others
+    #[arg(long, conflicts_with = "explain")]
+    brief: bool,
     /// How results are printed
     #[arg(long, value_enum, default_value_t)]
     format: Format,
@@ -62,7 +65,11 @@ pub(crate) struct RunArgs {
 
 impl RunArgs {
     fn telling(&self) -> Telling {
-        let detail = if self.explain { Detail::Full } else { Detail::Brief };
+        let detail = match (self.explain, self.brief) {
+            (true, _) => Detail::Full,
+            (_, true) => Detail::Misses,
+            _ => Detail::Brief,
+        };
         Telling { detail, why_not: self.answers.why_not.clone() }
     }
 
