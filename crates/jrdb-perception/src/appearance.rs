@@ -211,7 +211,9 @@ mod tests {
         assert_eq!(found.upper_color(), Belief::certain(Color::Red));
         assert_eq!(found.lower_color(), Belief::certain(Color::Blue));
         assert_eq!(found.action().best(), Some(Action::Standing));
-        assert!(found.gender().is_unknown() && found.age().is_unknown() && found.facing.is_unknown());
+        assert!(
+            found.gender().is_unknown() && found.age().is_unknown() && found.facing.is_unknown()
+        );
     }
 
     #[test]

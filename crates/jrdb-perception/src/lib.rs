@@ -36,7 +36,8 @@ pub use appearance::{Appearance, AppearanceConfig, FaceModels};
 pub use demographics::FaceReader;
 pub use detector::{AttributeModel, Detector, Grounder, PerceptionError};
 pub use engine::{
-    Engine, EngineError, Held, Input, OrtEngine, OrtLibrary, RtenEngine, Sessions, Tensor,
+    DeviceTensor, DeviceValue, Engine, EngineError, Input, OrtEngine, OrtLibrary, RtenEngine,
+    Sessions, Tensor,
 };
 pub use face::{Face, FaceFinder};
 pub use nanodet::{NanoDet, NanoDetConfig};

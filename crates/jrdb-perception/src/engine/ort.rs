@@ -6,12 +6,11 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use ort::environment::Environment;
 use ort::session::{Session, SessionInputValue, SessionOutputs};
-use ort::value::{DynValue, TensorRef};
 
-use super::held::Inner;
-use super::{Cause, Engine, EngineError, Held, Input, Tensor, check_call};
-
-const NAME: &str = "onnxruntime";
+use super::device_tensor::{DeviceTensor, Input};
+use super::error::{Cause, EngineError};
+use super::interface::{Engine, check_call};
+use super::ort_value::{NAME, OrtValue, failed, given};
 
 /// An ONNX Runtime library in use by this process. Copies refer to the same library.
 #[derive(Clone)]
@@ -173,10 +172,10 @@ impl OrtEngine {
         outputs: &[&str],
         read: impl FnOnce(SessionOutputs<'_>) -> Result<T, EngineError>,
     ) -> Result<T, EngineError> {
-        check_call(inputs, outputs, &self.inputs, &self.outputs)?;
+        check_call(self, inputs, outputs)?;
         let values = inputs
             .iter()
-            .map(|(name, input)| Ok(((*name).to_owned(), value(name, *input)?)))
+            .map(|(name, input)| Ok(((*name).to_owned(), given(name, *input)?)))
             .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
         let mut session = self.take()?;
         let result = session.run(values).map_err(failed).and_then(read);
@@ -205,10 +204,6 @@ fn open(library: &OrtLibrary, source: &Source, sessions: Sessions) -> Result<Ses
     .map_err(|e| refused(e.into()))
 }
 
-fn failed(source: impl Into<Cause>) -> EngineError {
-    EngineError::Run { engine: NAME, source: source.into() }
-}
-
 impl Engine for OrtEngine {
     fn name(&self) -> &str {
         NAME
@@ -222,82 +217,17 @@ impl Engine for OrtEngine {
         &self.outputs
     }
 
-    fn run(
-        &self,
-        inputs: &[(&str, &Tensor)],
-        outputs: &[&str],
-    ) -> Result<Vec<Tensor>, EngineError> {
-        let inputs: Vec<(&str, Input<'_>)> =
-            inputs.iter().map(|(name, tensor)| (*name, Input::Tensor(tensor))).collect();
-        self.with_outputs(&inputs, outputs, |found| {
-            let read =
-                |name: &&str| tensor(found.get(name).ok_or_else(|| self.unknown(name))?, name);
-            outputs.iter().map(read).collect()
-        })
-    }
-
-    fn run_held(
+    fn run_on_device(
         &self,
         inputs: &[(&str, Input<'_>)],
         outputs: &[&str],
-    ) -> Result<Vec<Held>, EngineError> {
+    ) -> Result<Vec<DeviceTensor>, EngineError> {
         self.with_outputs(inputs, outputs, |mut found| {
             let mut take = |name: &&str| {
                 let value = found.remove(name).ok_or_else(|| self.unknown(name))?;
-                Ok(Held(Inner::Ort(value)))
+                Ok(DeviceTensor::new(OrtValue(value)))
             };
             outputs.iter().map(&mut take).collect()
         })
     }
-}
-
-fn value<'a>(name: &str, input: Input<'a>) -> Result<SessionInputValue<'a>, EngineError> {
-    match input {
-        Input::Tensor(tensor) => view(tensor).map_err(failed),
-        Input::Held(Held(Inner::Ort(value))) => Ok(value.into()),
-        Input::Held(_) => Err(EngineError::Type {
-            name: name.into(),
-            source: "it is held by another engine".into(),
-        }),
-    }
-}
-
-fn view(tensor: &Tensor) -> ort::Result<SessionInputValue<'_>> {
-    Ok(match tensor {
-        Tensor::F32 { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-        Tensor::I64 { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-        Tensor::Bool { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-    })
-}
-
-fn lengths(shape: &[i64]) -> Vec<usize> {
-    shape.iter().map(|&axis| axis.unsigned_abs() as usize).collect()
-}
-
-/// Shape and numbers of a value of 32-bit floats.
-pub(super) fn floats<'a>(
-    value: &'a DynValue,
-    name: &str,
-) -> Result<(Vec<usize>, &'a [f32]), EngineError> {
-    let (shape, data) = value
-        .try_extract_tensor::<f32>()
-        .map_err(|e| EngineError::Type { name: name.into(), source: e.into() })?;
-    Ok((lengths(shape), data))
-}
-
-pub(super) fn tensor(value: &DynValue, name: &str) -> Result<Tensor, EngineError> {
-    if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
-        return Ok(Tensor::I64 { shape: lengths(shape), data: data.to_vec() });
-    }
-    if let Ok((shape, data)) = value.try_extract_tensor::<bool>() {
-        return Ok(Tensor::Bool { shape: lengths(shape), data: data.to_vec() });
-    }
-    let (shape, data) = floats(value, name)?;
-    Ok(Tensor::F32 { shape, data: data.to_vec() })
 }

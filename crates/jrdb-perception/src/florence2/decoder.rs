@@ -2,7 +2,7 @@
 
 use crate::decode::Logits;
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Held, Input, Tensor};
+use crate::engine::{DeviceTensor, Engine, Input, Tensor};
 
 /// The graphs that decode.
 #[derive(Debug)]
@@ -37,13 +37,13 @@ pub(super) struct Decoder {
 pub(super) struct State<'a> {
     hidden: &'a Tensor,
     mask: &'a Tensor,
-    own: Vec<Held>,
-    cross: Vec<Held>,
+    own: Vec<DeviceTensor>,
+    cross: Vec<DeviceTensor>,
     /// For how many sequences the mask and `cross` are repeated.
     rows: usize,
     repeated_mask: Option<Tensor>,
     repeated_hidden: Option<Tensor>,
-    repeated: Vec<Held>,
+    repeated: Vec<DeviceTensor>,
 }
 
 const PAST: &str = "past_key_values.";
@@ -116,7 +116,11 @@ impl Decoder {
         Ok(logits)
     }
 
-    fn first(&self, state: &State<'_>, embeds: &Tensor) -> Result<Vec<Held>, PerceptionError> {
+    fn first(
+        &self,
+        state: &State<'_>,
+        embeds: &Tensor,
+    ) -> Result<Vec<DeviceTensor>, PerceptionError> {
         let mut inputs: Vec<(&str, Input<'_>)> = vec![
             ("encoder_attention_mask", state.mask.into()),
             ("encoder_hidden_states", state.hidden.into()),
@@ -138,7 +142,7 @@ impl Decoder {
         state: &mut State<'_>,
         embeds: &Tensor,
         rows: &[usize],
-    ) -> Result<Vec<Held>, PerceptionError> {
+    ) -> Result<Vec<DeviceTensor>, PerceptionError> {
         state.follow(rows, &self.own)?;
         state.repeat(rows.len(), &self.cross)?;
         let outputs = &self.outputs[..=self.own.len()];
@@ -172,8 +176,8 @@ impl State<'_> {
     fn follow(&mut self, rows: &[usize], names: &[String]) -> Result<(), PerceptionError> {
         let stays = rows.iter().copied().eq(0..self.rows.max(1));
         if !stays {
-            let pick = |(held, name): (&Held, &String)| held.pick(name, rows);
-            self.own = self.own.iter().zip(names).map(pick).collect::<Result<_, _>>()?;
+            let gather = |(cache, name): (&DeviceTensor, &String)| cache.gather_rows(name, rows);
+            self.own = self.own.iter().zip(names).map(gather).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
@@ -184,8 +188,9 @@ impl State<'_> {
             self.rows = rows;
             return Ok(());
         }
-        let pick = |(held, name): (&Held, &String)| held.pick(name, &vec![0; rows]);
-        self.repeated = self.cross.iter().zip(names).map(pick).collect::<Result<_, _>>()?;
+        let gather =
+            |(cache, name): (&DeviceTensor, &String)| cache.gather_rows(name, &vec![0; rows]);
+        self.repeated = self.cross.iter().zip(names).map(gather).collect::<Result<_, _>>()?;
         self.repeated_mask = Some(repeat(self.mask, rows));
         self.repeated_hidden = Some(repeat(self.hidden, rows));
         self.rows = rows;
@@ -201,9 +206,9 @@ fn run(
     engine: &dyn Engine,
     inputs: &[(&str, Input<'_>)],
     outputs: &[String],
-) -> Result<Vec<Held>, PerceptionError> {
+) -> Result<Vec<DeviceTensor>, PerceptionError> {
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
-    Ok(engine.run_held(inputs, &outputs)?)
+    Ok(engine.run_on_device(inputs, &outputs)?)
 }
 
 /// A tensor `[1, ..]` so many times.
@@ -223,7 +228,7 @@ fn repeat(tensor: &Tensor, rows: usize) -> Tensor {
 }
 
 /// The scores of the last place of each row, from f32 `[rows, places, vocabulary]`.
-fn last_rows(logits: &Held) -> Result<Logits, PerceptionError> {
+fn last_rows(logits: &DeviceTensor) -> Result<Logits, PerceptionError> {
     let (shape, data) = logits.floats("logits")?;
     let &[_, places, vocabulary] = shape.as_slice() else {
         let expected = "f32 [rows, places, vocabulary]".into();

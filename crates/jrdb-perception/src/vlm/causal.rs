@@ -2,7 +2,7 @@
 
 use super::text_model::TextModel;
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Held, Input, Tensor};
+use crate::engine::{DeviceTensor, Engine, Input, Tensor};
 
 const PAST: &str = "past_key_values.";
 const PRESENT: &str = "present.";
@@ -29,7 +29,7 @@ pub(super) struct Causal {
 /// What a decoder remembers of the tokens it has read.
 #[derive(Debug)]
 pub struct Cache {
-    held: Vec<Held>,
+    tensors: Vec<DeviceTensor>,
     /// How many tokens.
     length: usize,
     /// The place of the next one, which is smaller where a picture's tokens share places.
@@ -39,8 +39,8 @@ pub struct Cache {
 impl Cache {
     /// The same for so many rows.
     pub(super) fn repeated(&self, rows: usize) -> Result<Self, PerceptionError> {
-        let pick = |held: &Held| held.pick("a cache", &vec![0; rows]);
-        Ok(Self { held: self.held.iter().map(pick).collect::<Result<_, _>>()?, ..*self })
+        let gather = |cache: &DeviceTensor| cache.gather_rows("a cache", &vec![0; rows]);
+        Ok(Self { tensors: self.tensors.iter().map(gather).collect::<Result<_, _>>()?, ..*self })
     }
 }
 
@@ -73,7 +73,7 @@ impl Causal {
         embeds: &Tensor,
         places: Option<&[Place]>,
         wanted: usize,
-    ) -> Result<(Held, Cache), PerceptionError> {
+    ) -> Result<(DeviceTensor, Cache), PerceptionError> {
         let [rows, tokens] = [embeds.shape()[0], embeds.shape()[1]];
         let total = before.map_or(0, |cache| cache.length) + tokens;
         let next = before.map_or(0, |cache| cache.next);
@@ -100,13 +100,13 @@ impl Causal {
                 .map(|(n, tensor)| (n, tensor.into())),
         );
         for (index, name) in self.past.iter().enumerate() {
-            let held = before.and_then(|cache| cache.held.get(index));
-            inputs.push((name, held.map_or_else(|| (&empty).into(), Input::from)));
+            let tensor = before.and_then(|cache| cache.tensors.get(index));
+            inputs.push((name, tensor.map_or_else(|| (&empty).into(), Input::from)));
         }
         let outputs: Vec<&str> = self.outputs.iter().map(String::as_str).collect();
-        let mut found = self.engine.run_held(&inputs, &outputs)?;
-        let held = found.split_off(1);
-        Ok((found.remove(0), Cache { held, length: total, next }))
+        let mut found = self.engine.run_on_device(&inputs, &outputs)?;
+        let tensors = found.split_off(1);
+        Ok((found.remove(0), Cache { tensors, length: total, next }))
     }
 
     /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models that tell rows and columns apart.

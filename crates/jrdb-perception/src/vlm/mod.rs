@@ -28,7 +28,7 @@ pub use text_model::TextModel;
 
 use crate::decode::{DecodeConfig, Sequence, decode};
 use crate::detector::{PerceptionError, check_graph};
-use crate::engine::{Engine, Held, Tensor};
+use crate::engine::{DeviceTensor, Engine, Tensor};
 use crate::log_sum_exp::log_sum_exp;
 use crate::tokens::Tokens;
 use causal::Causal;
@@ -264,7 +264,7 @@ fn log_prob(scores: &[f32], id: u32) -> f64 {
 }
 
 /// The scores at the last place of a single row.
-fn last_row(logits: &Held) -> Result<Vec<f32>, PerceptionError> {
+fn last_row(logits: &DeviceTensor) -> Result<Vec<f32>, PerceptionError> {
     let (shape, data) = logits.floats("logits")?;
     let vocabulary = shape.last().copied().unwrap_or(0);
     Ok(data[data.len().saturating_sub(vocabulary)..].to_vec())
