@@ -2,7 +2,9 @@
 
 use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 
-use crate::engine::{Cause, Engine, EngineError, Tensor};
+#[cfg(feature = "vlm")]
+use crate::engine::Engine;
+use crate::engine::{Cause, EngineError, Tensor};
 
 /// Finds things in an image.
 pub trait Detector: Send + Sync {
@@ -135,6 +137,7 @@ pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
     Ok(())
 }
 
+#[cfg(feature = "vlm")]
 /// Whether a graph has the tensors that it should have; `expected` says it in words.
 pub(crate) fn check_graph(
     graph: &dyn Engine,

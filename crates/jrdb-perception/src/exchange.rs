@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
 use crate::numbered::{category, numbered};
-use crate::vlm::{Topic, believed, json_boxes, label_in, put, questions};
+use crate::prompts::{JsonBox, Question, Topic, believed, json_boxes, label_in, put, questions};
 
 /// One line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -127,7 +127,7 @@ impl Exchange {
 }
 
 fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
-    let ask = |question: crate::vlm::Question| {
+    let ask = |question: Question| {
         let labels: Vec<String> = question.labels.iter().map(|all| all[0].clone()).collect();
         let known = believed(&person.attributes, question.topic);
         let probabilities: BTreeMap<String, f64> =
@@ -194,7 +194,7 @@ fn things(reply: Option<&Reply>) -> Result<Vec<(PixelBox, f64, String)>, String>
     }
     let text = reply.text.as_deref().ok_or("expected found or text in the reply, found neither")?;
     let boxes = json_boxes(text, [1.0, 1.0]).map_err(|error| format!("{error}: {text:?}"))?;
-    let thing = |one: crate::vlm::JsonBox| {
+    let thing = |one: JsonBox| {
         let [x0, y0, x1, y1] = one.corners;
         let label = if one.label.is_empty() { PERSON } else { &one.label };
         (PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 }, 1.0, category(label))

@@ -3,6 +3,7 @@
 pub mod appearance;
 mod color;
 pub mod crop;
+#[cfg(feature = "vlm")]
 pub mod decode;
 pub mod demographics;
 pub mod detector;
@@ -12,8 +13,12 @@ pub mod face;
 mod facing;
 #[cfg(test)]
 mod fixed;
+#[cfg(feature = "vlm")]
 pub mod florence2;
+#[cfg(feature = "vlm")]
 pub mod grounding_dino;
+mod json;
+#[cfg(feature = "vlm")]
 mod log_sum_exp;
 pub mod merge;
 pub mod nanodet;
@@ -23,22 +28,26 @@ pub mod pair;
 pub mod perceive;
 pub mod picture;
 mod posture;
+pub mod prompts;
 pub mod resize;
 pub mod ssdlite;
 pub mod sweep;
 pub mod tensor;
 mod tiled;
 pub mod tiles;
+#[cfg(feature = "vlm")]
 pub mod tokens;
+#[cfg(feature = "vlm")]
 pub mod vlm;
 
 pub use appearance::{Appearance, AppearanceConfig, FaceModels};
 pub use demographics::FaceReader;
 pub use detector::{AttributeModel, Detector, Grounder, PerceptionError};
-pub use engine::{
-    DeviceTensor, DeviceValue, Engine, EngineError, Input, OrtEngine, OrtLibrary, RtenEngine,
-    Sessions, Tensor,
-};
+#[cfg(feature = "rten")]
+pub use engine::RtenEngine;
+pub use engine::{DeviceTensor, DeviceValue, Engine, EngineError, Input, Tensor};
+#[cfg(feature = "ort")]
+pub use engine::{OrtEngine, OrtLibrary, Sessions};
 pub use face::{Face, FaceFinder};
 pub use nanodet::{NanoDet, NanoDetConfig};
 pub use pair::{PairConfig, PairDetector};

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
+use crate::json::parse_json;
 use crate::resize::{Filter, Region, Resizer};
 use crate::tensor::{Layout, Normalise};
-use crate::tokens::parse_json;
 
 /// How a model's pictures are prepared: the fields of a `preprocessor_config.json` that matter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

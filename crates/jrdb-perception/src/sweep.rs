@@ -57,15 +57,22 @@ impl SweepConfig {
         tiles(image, width_px, self.tile_overlap)
     }
 
-    /// What `look` finds in the tiles, as detections. Tiles run in parallel on the current rayon pool; the result does not depend on its number
-    /// of threads.
-    pub(crate) fn sweep(
+    /// The detections that `look` finds in the tiles, with those of several tiles merged.
+    ///
+    /// Tiles run in parallel on the current rayon pool; the result does not depend on the number of
+    /// threads.
+    ///
+    /// # Errors
+    /// [`PerceptionError::Image`] if the image has no pixels, [`PerceptionError::Setting`] if a number
+    /// is out of its range, else the first error of `look`.
+    pub fn detect(
         &self,
         image: &Image,
         frame: &FrameId,
         look: impl Fn(Tile) -> Result<Vec<Candidate>, PerceptionError> + Sync,
     ) -> Result<Detections, PerceptionError> {
         check_image(image)?;
+        self.check()?;
         let geometry = ImageGeometry {
             width_px: image.width as u32,
             height_px: image.height as u32,

@@ -1,8 +1,6 @@
-//! Text to token ids and back, and the JSON files around a model.
+//! Text to token ids and back.
 
 use std::fmt;
-
-use serde::de::DeserializeOwned;
 
 use crate::detector::PerceptionError;
 
@@ -73,11 +71,3 @@ impl Tokens {
 /// Names for the tokenizer's flags.
 const AROUND: bool = true;
 const SKIP_SPECIAL: bool = true;
-
-/// Reads one of the JSON files beside a model.
-pub(crate) fn parse_json<T: DeserializeOwned>(
-    file: &'static str,
-    text: &str,
-) -> Result<T, PerceptionError> {
-    serde_json::from_str(text).map_err(|source| PerceptionError::File { file, source })
-}

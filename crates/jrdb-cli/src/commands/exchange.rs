@@ -12,7 +12,7 @@ use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
 use jrdb_perception::crop::crop;
 use jrdb_perception::exchange::{Exchange, FIND, Request};
-use jrdb_perception::vlm::Topic;
+use jrdb_perception::prompts::Topic;
 use jrdb_pipeline::Pipeline;
 use jrdb_types::{FrameId, Image};
 

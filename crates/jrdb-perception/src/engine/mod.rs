@@ -7,15 +7,21 @@
 mod device_tensor;
 mod error;
 mod interface;
+#[cfg(feature = "ort")]
 mod ort;
+#[cfg(feature = "ort")]
 mod ort_value;
+#[cfg(feature = "rten")]
 mod rten;
+#[cfg(feature = "rten")]
 mod rten_value;
 mod tensor;
 
 pub use self::device_tensor::{DeviceTensor, DeviceValue, Input};
 pub use self::error::{Cause, EngineError};
 pub use self::interface::{Engine, check_call};
+#[cfg(feature = "ort")]
 pub use self::ort::{OrtEngine, OrtLibrary, Sessions};
+#[cfg(feature = "rten")]
 pub use self::rten::RtenEngine;
 pub use self::tensor::Tensor;

@@ -4,8 +4,8 @@ use serde::Deserialize;
 
 use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
+use crate::json::parse_json;
 use crate::picture::PictureConfig;
-use crate::tokens::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]

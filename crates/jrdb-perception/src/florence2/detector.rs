@@ -92,7 +92,7 @@ impl FlorenceDetector {
 
 impl Detector for FlorenceDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
-        self.config.tiles.sweep(image, frame, |tile| {
+        self.config.tiles.detect(image, frame, |tile| {
             let said = self.look(image, Region::of_tile(tile, image))?;
             Ok(said.iter().filter_map(|one| candidate(one, tile)).collect())
         })
@@ -119,7 +119,7 @@ impl Grounder for FlorenceDetector {
         let sentence = sentence.trim_end_matches(['.', '?', '!']);
         let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
         let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
-        self.config.tiles.sweep(image, frame, |tile| {
+        self.config.tiles.detect(image, frame, |tile| {
             let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
             Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
         })

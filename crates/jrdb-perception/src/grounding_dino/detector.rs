@@ -86,7 +86,7 @@ impl Detector for GroundingDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
         let name = |phrase: usize| self.config.phrases.get(phrase).map(|words| category(words));
         let look = |tile| self.look_at_tile(image, tile, &self.ids, &name);
-        self.config.tiles.sweep(image, frame, look)
+        self.config.tiles.detect(image, frame, look)
     }
 
     fn config(&self) -> serde_json::Value {
@@ -109,6 +109,6 @@ impl Grounder for GroundingDetector {
         let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
         let ids = self.model.spell(&format!("{sentence}."))?;
         let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
-        self.config.tiles.sweep(image, frame, look)
+        self.config.tiles.detect(image, frame, look)
     }
 }

@@ -4,11 +4,11 @@ use jrdb_types::{Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
-use super::question::{self, Question, Topic, questions};
 use super::score::{free_answer, probabilities, shared_beginning};
 use super::{Read, Vlm};
 use crate::crop::crop;
 use crate::detector::{AttributeModel, PerceptionError, check_image};
+use crate::prompts::{Question, Topic, put, questions};
 
 /// How answers are got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -120,7 +120,7 @@ impl VlmAttributes {
         let beginning = self.vlm.read(beginning, &shown.features, places.as_deref())?;
         for (question, prompt) in self.questions.iter().zip(&prompts) {
             let read = self.vlm.read_on(&beginning, &prompt[shared..])?;
-            question::put(&mut attributes, question.topic, &self.answer(read, question)?);
+            put(&mut attributes, question.topic, &self.answer(read, question)?);
         }
         Ok(attributes)
     }

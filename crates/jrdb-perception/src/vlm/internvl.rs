@@ -6,9 +6,9 @@ use serde::Deserialize;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
+use crate::json::parse_json;
 use crate::picture::PictureConfig;
 use crate::resize::resize;
-use crate::tokens::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]

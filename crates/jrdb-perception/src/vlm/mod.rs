@@ -7,9 +7,7 @@ mod attribute;
 mod causal;
 mod family;
 mod internvl;
-mod question;
 mod qwen25vl;
-mod reply;
 mod score;
 mod text_model;
 
@@ -19,10 +17,7 @@ pub use attribute::{AttributeConfig, Profile, VlmAttributes};
 pub use causal::{Cache, Place};
 pub use family::{Family, Shown};
 pub use internvl::{InternVlConfig, grid, tiles_of};
-pub use question::{Question, Topic, questions};
-pub(crate) use question::{believed, put};
-pub use qwen25vl::{JsonBox, Patches, Qwen25VlConfig, json_boxes};
-pub use reply::label_in;
+pub use qwen25vl::{Patches, Qwen25VlConfig};
 pub use score::LabelScore;
 pub use text_model::TextModel;
 

@@ -1,8 +1,8 @@
 //! How probable each word of a closed vocabulary is as the answer to a question.
 
-use super::question::Question;
 use super::{Read, Vlm};
 use crate::detector::PerceptionError;
+use crate::prompts::{Question, label_in};
 
 /// One spelling of a label as an answer.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,7 +77,7 @@ pub(super) fn free_answer(
     longest: usize,
 ) -> Result<Option<usize>, PerceptionError> {
     let sequence = vlm.write(read, longest)?;
-    Ok(super::reply::label_in(&vlm.tokens.decode_words(&sequence.ids)?, &question.labels))
+    Ok(label_in(&vlm.tokens.decode_words(&sequence.ids)?, &question.labels))
 }
 
 #[cfg(test)]

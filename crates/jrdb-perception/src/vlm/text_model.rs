@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
-use crate::tokens::parse_json;
+use crate::json::parse_json;
 
 /// Sizes and ids of a text model.
 #[derive(Debug, Clone, PartialEq)]

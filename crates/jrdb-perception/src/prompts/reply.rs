@@ -3,7 +3,7 @@
 /// The entry of a vocabulary that an answer names: the longest spelling that stands in it as whole words, the first of equals.
 ///
 /// ```
-/// use jrdb_perception::vlm::label_in;
+/// use jrdb_perception::prompts::label_in;
 /// let labels = [vec!["male".into(), "man".into()], vec!["female".into(), "woman".into()]];
 /// assert_eq!(label_in("The person is a woman.", &labels), Some(1));
 /// assert_eq!(label_in("I cannot tell.", &labels), None);
@@ -31,7 +31,7 @@ fn plain(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::vlm::{Topic, questions};
+    use crate::prompts::{Topic, questions};
 
     #[test]
     fn words_inside_words_do_not_count() {
