@@ -8,7 +8,7 @@ use jrdb_types::{Attributes, Belief, Detection, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
 use crate::color::colors;
-use crate::crop::crop;
+use crate::crop::{Wrap, crop};
 use crate::demographics::FaceReader;
 use crate::detector::{AttributeModel, PerceptionError, check_image};
 use crate::face::{Face, FaceFinder};
@@ -102,7 +102,7 @@ impl Appearance {
             y: bbox.y + top * bbox.h,
             h: (bottom - top) * bbox.h,
         };
-        crop(image, &part, 0.0, self.config.wraps)
+        crop(image, &part, 0.0, Wrap::of(self.config.wraps))
             .map(|picture| colors(&picture))
             .unwrap_or_default()
     }
@@ -123,7 +123,7 @@ impl Appearance {
             y: (bbox.y - HEADROOM * bbox.h).max(0.0),
             h: (UPPER_BODY * bbox.h).min(UPPER_BODY_WIDTHS * bbox.w),
         };
-        let Some(picture) = crop(image, &upper_body, 0.0, self.config.wraps) else {
+        let Some(picture) = crop(image, &upper_body, 0.0, Wrap::of(self.config.wraps)) else {
             return Ok(None);
         };
         let is_large = |face: &Face| face.bbox.w.max(face.bbox.h) >= self.config.min_face_px;

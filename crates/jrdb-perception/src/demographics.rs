@@ -6,7 +6,7 @@ use std::fmt;
 use jrdb_types::vocab::{Age, Gender};
 use jrdb_types::{Belief, Image, PixelBox};
 
-use crate::crop::crop;
+use crate::crop::{Wrap, crop};
 use crate::detector::{PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
 use crate::face::Face;
@@ -97,7 +97,9 @@ impl FaceReader {
         face: &Face,
         side: usize,
     ) -> Result<[f32; N], PerceptionError> {
-        let Some(chip) = crop(picture, &chip(face), 0.0, false) else { return Ok([0.0; N]) };
+        let Some(chip) = crop(picture, &chip(face), 0.0, Wrap::Bounded) else {
+            return Ok([0.0; N]);
+        };
         let input = input(&resize(&chip, side, side, Filter::Bilinear));
         let mut outputs = self.engine.run(&[(INPUT, &input)], &[OUTPUT])?;
         // The networks' rows are those of a batch: as one thing with one row.

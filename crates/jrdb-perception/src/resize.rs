@@ -3,6 +3,7 @@
 //! Two passes, columns first, with 8-bit values between them; filters widen when shrinking (antialias);
 //! weights are rounded to 22 fractional bits. Models are trained on pictures scaled this way.
 
+mod filter;
 mod passes;
 mod taps;
 
@@ -10,36 +11,8 @@ use jrdb_types::Image;
 
 use crate::tensor::{Layout, Normalise};
 use crate::tiles::Tile;
+pub use filter::Filter;
 use taps::Taps;
-
-/// The shape of the filter.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Filter {
-    /// Triangle, reaching 1 pixel to each side.
-    Bilinear,
-    /// Cubic convolution with a = -1/2 (Keys 1981), reaching 2 pixels to each side.
-    Bicubic,
-}
-
-impl Filter {
-    fn reach(self) -> f64 {
-        match self {
-            Self::Bilinear => 1.0,
-            Self::Bicubic => 2.0,
-        }
-    }
-
-    fn weight(self, x: f64) -> f64 {
-        const A: f64 = -0.5;
-        let x = x.abs();
-        match self {
-            Self::Bilinear => (1.0 - x).max(0.0),
-            Self::Bicubic if x < 1.0 => ((A + 2.0) * x - (A + 3.0)) * x * x + 1.0,
-            Self::Bicubic if x < 2.0 => (((x - 5.0) * x + 8.0) * x - 4.0) * A,
-            Self::Bicubic => 0.0,
-        }
-    }
-}
 
 /// A rectangle of a picture. Its columns may go on at column 0, across the seam of a panorama.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

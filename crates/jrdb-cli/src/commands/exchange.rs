@@ -103,7 +103,7 @@ fn of(
             (last, number) = (Some(bbox), number + 1);
         }
         let name = format!("{}_{number:03}.png", stem(&frame.id));
-        if let Some(cut) = crop(image, &bbox, args.margin, frame.robot.image().wraps) {
+        if let Some(cut) = crop(image, &bbox, args.margin, frame.robot.image().into()) {
             picture(&args.out.join(&name), &cut)?;
             line.request.image = Some(name);
         }

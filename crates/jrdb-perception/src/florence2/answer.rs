@@ -3,7 +3,7 @@
 //! The rules are the reference implementation's, oddities included: a label is whatever stands before its locations, even the
 //! rest of a tag. Coordinates stay fractions of a pixel, where the reference cuts them to whole ones.
 
-use super::task::BINS;
+use super::location::BINS;
 
 /// How an answer is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -4,8 +4,9 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
+use super::model::Florence2;
 use super::said::{Said, said};
-use super::{Florence2, Task};
+use super::task::Task;
 use crate::detector::{Detector, Grounder, PerceptionError, check_image};
 use crate::merge::Candidate;
 use crate::numbered::category;

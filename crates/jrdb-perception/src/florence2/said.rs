@@ -1,6 +1,6 @@
 //! A sequence of tokens as boxes, each with how sure the model was of it.
 
-use super::task::BINS;
+use super::location::BINS;
 use crate::decode::Sequence;
 use crate::detector::PerceptionError;
 

@@ -1,6 +1,7 @@
 //! What Florence-2 can be asked, and the sentence it was trained to be asked with.
 
 use super::answer::Grammar;
+use super::location::Region;
 
 /// A task; those that are about something carry it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -35,30 +36,6 @@ pub enum Task {
     Ocr,
     /// The writing, each with the four corners of its place.
     OcrWithRegion,
-}
-
-/// A box in location bins: x0, y0, x1, y1 in 0..=999.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region(pub [u16; 4]);
-
-/// Bins per side of the picture.
-pub(super) const BINS: f64 = 1000.0;
-
-impl Region {
-    /// The bins of a box given by its corners, pixels of a picture of that size.
-    ///
-    /// ```
-    /// use jrdb_perception::florence2::Region;
-    /// assert_eq!(Region::from_corners([3.76, 0.48, 7.52, 480.0], [3760.0, 480.0]).0, [1, 1, 2, 999]);
-    /// ```
-    #[must_use]
-    pub fn from_corners(corners: [f64; 4], size_px: [f64; 2]) -> Self {
-        let bin = |axis: usize| {
-            let bins = corners[axis] / (size_px[axis % 2] / BINS);
-            bins.floor().clamp(0.0, BINS - 1.0) as u16
-        };
-        Self([bin(0), bin(1), bin(2), bin(3)])
-    }
 }
 
 impl Task {
@@ -136,19 +113,6 @@ impl Task {
             Self::OcrWithRegion => Grammar::Quads,
             _ => Grammar::Text,
         }
-    }
-}
-
-impl Region {
-    fn tags(self) -> String {
-        self.0.map(|bin| format!("<loc_{bin}>")).concat()
-    }
-
-    fn from_tags(text: &str) -> Option<Self> {
-        let mut bins = text.strip_prefix("<loc_")?.strip_suffix('>')?.split("><loc_");
-        let mut next = || bins.next()?.parse::<u16>().ok().filter(|bin| f64::from(*bin) < BINS);
-        let region = Self([next()?, next()?, next()?, next()?]);
-        bins.next().is_none().then_some(region)
     }
 }
 

@@ -4,7 +4,7 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
-use super::{GroundingConfig, GroundingDino};
+use super::model::{Grounded, GroundingConfig, GroundingDino};
 use crate::detector::{Detector, Grounder, PerceptionError};
 use crate::merge::Candidate;
 use crate::numbered::category;
@@ -72,7 +72,7 @@ impl GroundingDetector {
         let looked = self.model.look(&picture, ids)?;
         let size_px = [picture.width as f64, picture.height as f64];
         let found = self.model.grounded(&looked, ids, size_px, &self.config.grounding)?;
-        let candidate = |one: super::Grounded| {
+        let candidate = |one: Grounded| {
             let [x0, y0, x1, y1] = one.corners;
             let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
             let category = name(one.phrase)?;

@@ -1,6 +1,6 @@
 //! Which inputs make one output, and how much of each.
 
-use super::Filter;
+use super::filter::Filter;
 
 pub(super) const FRACTION_BITS: u32 = 22;
 

@@ -4,9 +4,9 @@ use jrdb_types::{Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
+use super::model::{Read, Vlm};
 use super::score::{free_answer, probabilities, shared_beginning};
-use super::{Read, Vlm};
-use crate::crop::crop;
+use crate::crop::{Wrap, crop};
 use crate::detector::{AttributeModel, PerceptionError, check_image};
 use crate::prompts::{Question, Topic, put, questions};
 
@@ -149,7 +149,7 @@ impl AttributeModel for VlmAttributes {
         detection: &Detection,
     ) -> Result<Attributes, PerceptionError> {
         check_image(image)?;
-        match crop(image, &detection.bbox, self.config.margin, self.config.wraps) {
+        match crop(image, &detection.bbox, self.config.margin, Wrap::of(self.config.wraps)) {
             Some(picture) => self.look(&picture),
             None => Ok(Attributes::default()),
         }

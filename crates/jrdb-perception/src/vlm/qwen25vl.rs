@@ -3,7 +3,7 @@
 use jrdb_types::Image;
 use serde::Deserialize;
 
-use super::Place;
+use super::causal::Place;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;

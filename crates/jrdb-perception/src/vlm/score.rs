@@ -1,6 +1,6 @@
 //! How probable each word of a closed vocabulary is as the answer to a question.
 
-use super::{Read, Vlm};
+use super::model::{Read, Vlm};
 use crate::detector::PerceptionError;
 use crate::prompts::{Question, label_in};
 
@@ -27,7 +27,7 @@ impl Vlm {
         end: u32,
     ) -> Result<Vec<Vec<LabelScore>>, PerceptionError> {
         let ids = |spelling: &String| -> Result<Vec<u32>, PerceptionError> {
-            let mut ids = self.tokens.encode(spelling)?;
+            let mut ids = self.tokens().encode(spelling)?;
             ids.push(end);
             Ok(ids)
         };
@@ -77,7 +77,7 @@ pub(super) fn free_answer(
     longest: usize,
 ) -> Result<Option<usize>, PerceptionError> {
     let sequence = vlm.write(read, longest)?;
-    Ok(label_in(&vlm.tokens.decode_words(&sequence.ids)?, &question.labels))
+    Ok(label_in(&vlm.tokens().decode_words(&sequence.ids)?, &question.labels))
 }
 
 #[cfg(test)]
