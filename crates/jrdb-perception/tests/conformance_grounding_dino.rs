@@ -7,8 +7,8 @@ mod onnxruntime;
 
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
+use jrdb_perception::generation::Tokens;
 use jrdb_perception::grounding_dino::{CanvasConfig, Grounded, GroundingConfig, GroundingDino};
-use jrdb_perception::tokens::Tokens;
 use serde_json::Value;
 
 const FOLDER: &str = "mm_grounding_dino_tiny";

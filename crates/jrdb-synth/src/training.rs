@@ -1,6 +1,6 @@
 //! Pictures to train and to measure models of perception on.
 
-use jrdb_perception::crop::{Wrap, crop};
+use jrdb_perception::image::{Wrap, crop};
 use jrdb_types::{Image, PixelBox};
 
 use super::random::Random;

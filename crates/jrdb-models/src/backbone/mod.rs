@@ -12,11 +12,11 @@ use jrdb_perception::florence2::{
     DecoderParts, Florence2, Florence2Config, Florence2Parts, FlorenceDetector,
     FlorenceDetectorConfig,
 };
+use jrdb_perception::generation::Tokens;
 use jrdb_perception::grounding_dino::{
     CanvasConfig, GroundingDetector, GroundingDetectorConfig, GroundingDino,
 };
-use jrdb_perception::sweep::SweepConfig;
-use jrdb_perception::tokens::Tokens;
+use jrdb_perception::tiling::SweepConfig;
 use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };

@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
+use crate::generation::DecodeConfig;
+use crate::image::PictureConfig;
 use crate::json::parse_json;
-use crate::picture::PictureConfig;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,8 +1,8 @@
 //! The text decoder, one token at a time, with its caches left in the engine's memory.
 
-use crate::decode::Logits;
 use crate::detector::PerceptionError;
 use crate::engine::{DeviceTensor, Engine, Input, Tensor};
+use crate::generation::Logits;
 
 /// The graphs that decode.
 #[derive(Debug)]

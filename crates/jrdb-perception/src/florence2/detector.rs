@@ -8,11 +8,11 @@ use super::model::Florence2;
 use super::said::{Said, said};
 use super::task::Task;
 use crate::detector::{Detector, Grounder, PerceptionError, check_image};
-use crate::merge::Candidate;
+use crate::image::Region;
 use crate::numbered::category;
-use crate::resize::Region;
-use crate::sweep::SweepConfig;
-use crate::tiles::Tile;
+use crate::tiling::Candidate;
+use crate::tiling::SweepConfig;
+use crate::tiling::Tile;
 
 /// How things are looked for.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -8,10 +8,10 @@ use super::answer::Answer;
 use super::config::Florence2Config;
 use super::decoder::{Decoder, DecoderParts};
 use super::task::Task;
-use crate::decode::{DecodeConfig, Sequence, decode};
 use crate::detector::{PerceptionError, check_graph, check_image};
 use crate::engine::{Engine, Tensor};
-use crate::tokens::Tokens;
+use crate::generation::Tokens;
+use crate::generation::{DecodeConfig, Sequence, decode};
 
 /// What a Florence-2 is made of, opened by the caller.
 #[derive(Debug)]

@@ -1,8 +1,8 @@
 //! A sequence of tokens as boxes, each with how sure the model was of it.
 
 use super::location::BINS;
-use crate::decode::Sequence;
 use crate::detector::PerceptionError;
+use crate::generation::Sequence;
 
 /// A box that the model said.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,11 +6,11 @@ use serde::{Deserialize, Serialize};
 
 use super::model::{Grounded, GroundingConfig, GroundingDino};
 use crate::detector::{Detector, Grounder, PerceptionError};
-use crate::merge::Candidate;
 use crate::numbered::category;
-use crate::sweep::SweepConfig;
-use crate::tiled::in_range;
-use crate::tiles::Tile;
+use crate::tiling::Candidate;
+use crate::tiling::SweepConfig;
+use crate::tiling::Tile;
+use crate::tiling::tiled::in_range;
 
 /// What is looked for, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

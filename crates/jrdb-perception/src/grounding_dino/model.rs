@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::picture::CanvasConfig;
 use crate::detector::{PerceptionError, check_graph, check_image};
 use crate::engine::{Engine, Tensor};
-use crate::tokens::Tokens;
+use crate::generation::Tokens;
 
 /// Which boxes are taken.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

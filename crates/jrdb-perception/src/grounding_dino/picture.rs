@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
+use crate::image::resize;
+use crate::image::{PictureConfig, PictureSize};
 use crate::json::parse_json;
-use crate::picture::{PictureConfig, PictureSize};
-use crate::resize::resize;
 
 /// How pictures are prepared: the fields of a `preprocessor_config.json` that matter.
 #[derive(Debug, Clone, PartialEq)]

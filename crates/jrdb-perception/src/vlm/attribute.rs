@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 use super::family::Family;
 use super::model::{Read, Vlm};
 use super::score::{free_answer, probabilities, shared_beginning};
-use crate::crop::{Wrap, crop};
 use crate::detector::{AttributeModel, PerceptionError, check_image};
+use crate::image::{Wrap, crop};
 use crate::prompts::{Question, Topic, put, questions};
 
 /// How answers are got.

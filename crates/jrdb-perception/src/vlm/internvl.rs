@@ -6,9 +6,9 @@ use serde::Deserialize;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
+use crate::image::PictureConfig;
+use crate::image::resize;
 use crate::json::parse_json;
-use crate::picture::PictureConfig;
-use crate::resize::resize;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,7 +103,7 @@ pub fn tiles_of(
     image: &Image,
     tiles: [usize; 2],
     tile_px: [usize; 2],
-    filter: crate::resize::Filter,
+    filter: crate::image::Filter,
 ) -> Vec<Image> {
     let [columns, rows] = grid([image.width, image.height], tiles, tile_px);
     let large = resize(image, columns * tile_px[0], rows * tile_px[1], filter);

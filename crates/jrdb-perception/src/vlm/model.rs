@@ -4,11 +4,11 @@ use std::fmt;
 
 use super::causal::{Cache, Causal, Place};
 use super::text_model::TextModel;
-use crate::decode::{DecodeConfig, Sequence, decode};
 use crate::detector::{PerceptionError, check_graph};
 use crate::engine::{DeviceTensor, Engine, Tensor};
-use crate::log_sum_exp::log_sum_exp;
-use crate::tokens::Tokens;
+use crate::generation::Tokens;
+use crate::generation::log_sum_exp;
+use crate::generation::{DecodeConfig, Sequence, decode};
 
 /// What a vision-language model is made of, opened by the caller.
 #[derive(Debug)]

@@ -7,9 +7,9 @@ use super::causal::Place;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
+use crate::image::resize;
+use crate::image::{PictureConfig, PictureSize};
 use crate::json::parse_json;
-use crate::picture::{PictureConfig, PictureSize};
-use crate::resize::resize;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
+use crate::generation::DecodeConfig;
 use crate::json::parse_json;
 
 /// Sizes and ids of a text model.

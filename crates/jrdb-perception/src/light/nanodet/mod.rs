@@ -12,8 +12,8 @@ pub use classes::COCO_CLASSES;
 
 use crate::detector::{Detector, PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
-use crate::nms::ScoredBox;
-use crate::tiled::{Found, TileSize, Tiling, numbered, unit};
+use crate::tiling::ScoredBox;
+use crate::tiling::tiled::{Found, TileSize, Tiling, numbered, unit};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 416;

@@ -3,11 +3,11 @@
 use jrdb_types::Image;
 use serde::{Deserialize, Serialize};
 
+use super::resize::{Filter, Region, Resizer};
+use super::tensor::{Layout, Normalise};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
 use crate::json::parse_json;
-use crate::resize::{Filter, Region, Resizer};
-use crate::tensor::{Layout, Normalise};
 
 /// How a model's pictures are prepared: the fields of a `preprocessor_config.json` that matter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -3,8 +3,8 @@
 use jrdb_types::{ImageGeometry, PixelBox};
 use serde::{Deserialize, Serialize};
 
+use super::tiles::Tile;
 use crate::detector::PerceptionError;
-use crate::tiles::Tile;
 
 /// When boxes of different tiles are the same thing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -136,7 +136,7 @@ fn cover(a: &PixelBox, b: &PixelBox, period_px: Option<f64>) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tiles::tiles;
+    use crate::tiling::tiles::tiles;
     use proptest::prelude::*;
 
     const IMAGE: ImageGeometry = ImageGeometry { width_px: 1000, height_px: 100, wraps: true };

@@ -4,10 +4,10 @@
 use jrdb_types::{Detection, Image, ImageGeometry, PixelBox};
 use rayon::prelude::*;
 
+use super::nms::{ScoredBox, nms};
+use super::tiles::{Tile, tiles};
 use crate::detector::{PerceptionError, check_image};
-use crate::nms::{ScoredBox, nms};
-use crate::resize::{Filter, resize};
-use crate::tiles::{Tile, tiles};
+use crate::image::{Filter, resize};
 
 /// How a panorama is cut into tiles, and what becomes of the boxes found in them. What each number means says
 /// [`crate::SsdLiteConfig`].

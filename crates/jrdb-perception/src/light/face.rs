@@ -6,8 +6,8 @@ use jrdb_types::{Image, PixelBox};
 
 use crate::detector::PerceptionError;
 use crate::engine::{Engine, Tensor};
-use crate::nms::{ScoredBox, nms};
-use crate::resize::{Filter, resize};
+use crate::image::{Filter, resize};
+use crate::tiling::{ScoredBox, nms};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 480;

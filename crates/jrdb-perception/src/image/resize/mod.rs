@@ -9,8 +9,8 @@ mod taps;
 
 use jrdb_types::Image;
 
-use crate::tensor::{Layout, Normalise};
-use crate::tiles::Tile;
+use super::tensor::{Layout, Normalise};
+use crate::tiling::Tile;
 pub use filter::Filter;
 use taps::Taps;
 
@@ -61,7 +61,7 @@ impl Region {
 /// When the picture has pixels, but not `3 · width · height` bytes.
 ///
 /// ```
-/// use jrdb_perception::resize::{Filter, resize};
+/// use jrdb_perception::image::{Filter, resize};
 /// use jrdb_types::Image;
 /// let grey = Image::filled(40, 30, [90, 90, 90]);
 /// assert_eq!(resize(&grey, 7, 9, Filter::Bicubic), Image::filled(7, 9, [90, 90, 90]));
@@ -74,8 +74,8 @@ pub fn resize(image: &Image, width: usize, height: usize, filter: Filter) -> Ima
 /// Scales parts of pictures to one size, and uses its memory and the weights of the last part's size again.
 ///
 /// ```
-/// use jrdb_perception::resize::{Filter, Region, Resizer, resize};
-/// use jrdb_perception::tensor::{Layout, Normalise};
+/// use jrdb_perception::image::{Filter, Region, Resizer, resize};
+/// use jrdb_perception::image::{Layout, Normalise};
 /// use jrdb_types::Image;
 /// let panorama = Image::filled(400, 100, [255, 0, 0]);
 /// let mut resizer = Resizer::new(Filter::Bilinear, 20, 10);

@@ -6,11 +6,11 @@ use std::fmt;
 use jrdb_types::vocab::{Age, Gender};
 use jrdb_types::{Belief, Image, PixelBox};
 
-use crate::crop::{Wrap, crop};
+use super::face::Face;
 use crate::detector::{PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
-use crate::face::Face;
-use crate::resize::{Filter, resize};
+use crate::image::{Filter, resize};
+use crate::image::{Wrap, crop};
 
 /// Names of the tensors: f32 `[1, 3, side, side]` to f32 `[1, classes]`.
 const INPUT: &str = "images";

@@ -18,7 +18,7 @@ pub struct Tile {
 /// it is; without wrapping the first and last tile end at the image's borders.
 ///
 /// ```
-/// use jrdb_perception::tiles::tiles;
+/// use jrdb_perception::tiling::tiles;
 /// use jrdb_types::ImageGeometry;
 /// let panorama = ImageGeometry { width_px: 400, height_px: 100, wraps: true };
 /// let starts: Vec<u32> = tiles(panorama, 200, 0.5).iter().map(|t| t.x_px).collect();

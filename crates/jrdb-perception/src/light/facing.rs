@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use jrdb_types::Belief;
 use jrdb_types::vocab::Facing;
 
-use crate::face::Face;
+use super::face::Face;
 
 /// Up to this shift of the nose, in distances between the eyes, a face looks at us.
 pub(crate) const FRONTAL_MAX_SHIFT: f64 = 0.3;

@@ -7,14 +7,14 @@ use jrdb_types::vocab::Color;
 use jrdb_types::{Attributes, Belief, Detection, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
-use crate::color::colors;
-use crate::crop::{Wrap, crop};
-use crate::demographics::FaceReader;
+use super::color::colors;
+use super::demographics::FaceReader;
+use super::face::{Face, FaceFinder};
+use super::facing::{Turn, facing};
+use super::posture::{SEATED_MAX_RATIO, posture};
 use crate::detector::{AttributeModel, PerceptionError, check_image};
-use crate::face::{Face, FaceFinder};
-use crate::facing::{Turn, facing};
-use crate::posture::{SEATED_MAX_RATIO, posture};
-use crate::tiled::unit;
+use crate::image::{Wrap, crop};
+use crate::tiling::tiled::unit;
 
 /// How people are described.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -184,8 +184,8 @@ impl AttributeModel for Appearance {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::nms::ScoredBox;
-    use crate::tiled::numbered;
+    use crate::tiling::ScoredBox;
+    use crate::tiling::tiled::numbered;
     use jrdb_types::vocab::Action;
 
     fn person(bbox: [f64; 4]) -> Detection {

@@ -29,7 +29,7 @@ impl Normalise {
     /// When there is no such channel.
     ///
     /// ```
-    /// use jrdb_perception::tensor::Normalise;
+    /// use jrdb_perception::image::Normalise;
     /// assert_eq!(Normalise { mean: [0.5; 3], std: [0.25; 3] }.value(255, 0), 2.0);
     /// ```
     #[must_use]

@@ -13,8 +13,8 @@ use anchors::{Anchor, anchors};
 
 use crate::detector::{Detector, PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
-use crate::nms::ScoredBox;
-use crate::tiled::{Found, TileSize, Tiling, numbered, unit};
+use crate::tiling::ScoredBox;
+use crate::tiling::tiled::{Found, TileSize, Tiling, numbered, unit};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 300;

@@ -7,8 +7,8 @@ use jrdb_types::{Detection, Detections, FrameId, Image};
 use serde::{Deserialize, Serialize};
 
 use crate::detector::{Detector, PerceptionError};
-use crate::nms::{ScoredBox, nms};
-use crate::tiled::{numbered, unit};
+use crate::tiling::tiled::{numbered, unit};
+use crate::tiling::{ScoredBox, nms};
 
 /// How two detectors' findings become one.
 ///

@@ -6,7 +6,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::log_sum_exp::{highest, log_sum_exp};
+use super::log_sum_exp::{highest, log_sum_exp};
 
 /// How sequences are searched for: the fields of a `generation_config.json` that matter without sampling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

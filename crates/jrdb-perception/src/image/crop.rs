@@ -32,7 +32,7 @@ impl Wrap {
 /// rows always end at the borders. `None` if no pixel is left.
 ///
 /// ```
-/// use jrdb_perception::crop::{Wrap, crop};
+/// use jrdb_perception::image::{Wrap, crop};
 /// use jrdb_types::{Image, PixelBox};
 /// let image = Image::filled(100, 20, [7; 3]);
 /// let across = crop(&image, &PixelBox::from([90.0, 5.0, 30.0, 40.0]), 0.0, Wrap::Circular).unwrap();

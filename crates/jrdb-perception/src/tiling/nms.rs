@@ -18,7 +18,7 @@ pub struct ScoredBox {
 /// engines does not decide: confident scores crowd together just below 1.
 ///
 /// ```
-/// use jrdb_perception::nms::{ScoredBox, nms};
+/// use jrdb_perception::tiling::{ScoredBox, nms};
 /// use jrdb_types::PixelBox;
 /// let one = ScoredBox { bbox: PixelBox::from([95.0, 0.0, 10.0, 10.0]), score: 0.9 };
 /// let same = ScoredBox { bbox: PixelBox::from([-4.0, 0.0, 10.0, 10.0]), score: 0.8 };

@@ -4,11 +4,11 @@ use jrdb_types::{Detections, FrameId, Image, ImageGeometry};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::merge::{Candidate, MergeConfig, merge};
+use super::tiled::in_range;
+use super::tiles::{Tile, tiles};
 use crate::detector::{PerceptionError, check_image};
-use crate::merge::{Candidate, MergeConfig, merge};
 use crate::numbered::numbered;
-use crate::tiled::in_range;
-use crate::tiles::{Tile, tiles};
 
 /// How a panorama is cut into tiles, and how what they show becomes one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
