@@ -11,7 +11,7 @@ use jrdb_types::{Attributes, Detection, Detections, FrameId, ImageGeometry, Issu
 use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
-use crate::numbered::{category, numbered};
+use crate::numbered::{CategoryBox, category, numbered};
 use crate::prompts::{JsonBox, Question, Topic, believed, json_boxes, label_in, put, questions};
 
 /// One line.
@@ -121,12 +121,12 @@ impl Exchange {
             }),
         };
         let people = detections.detections.iter().filter(|one| one.category == PERSON);
-        let asked = people.flat_map(|person| describe(&detections.frame, person, topics));
+        let asked = people.flat_map(|person| questions_about(&detections.frame, person, topics));
         std::iter::once(find).chain(asked).collect()
     }
 }
 
-fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
+fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
     let ask = |question: Question| {
         let labels: Vec<String> = question.labels.iter().map(|all| all[0].clone()).collect();
         let known = believed(&person.attributes, question.topic);
@@ -152,31 +152,31 @@ fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchan
 ///
 /// Without a line that finds things, the boxes that were asked about are people.
 #[must_use]
-pub fn play(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
+pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
     let lines: Vec<&Exchange> = lines.iter().filter(|line| line.request.frame == *frame).collect();
     let mut issues = Vec::new();
-    let mut found: Vec<(PixelBox, f64, String)> = Vec::new();
+    let mut found: Vec<CategoryBox> = Vec::new();
     let searches: Vec<_> = lines.iter().filter(|line| line.request.bbox.is_none()).collect();
     for line in &searches {
-        match things(line.reply.as_ref()) {
-            Ok(things) => found.extend(things),
+        match boxes_in(line.reply.as_ref()) {
+            Ok(boxes) => found.extend(boxes),
             Err(message) => issues.push(Issue::new(IssueKind::MissingInput, message)),
         }
     }
     if searches.is_empty() {
         for bbox in lines.iter().filter_map(|line| line.request.bbox) {
-            if !found.iter().any(|one| one.0 == bbox) {
-                found.push((bbox, 1.0, PERSON.into()));
+            if !found.iter().any(|one| one.bbox == bbox) {
+                found.push(CategoryBox { bbox, score: 1.0, category: PERSON.into() });
             }
         }
     }
-    found.retain(|one| one.0.is_proper());
+    found.retain(|one| one.bbox.is_proper());
     let mut detections = numbered(found);
     for detection in &mut detections {
         let about = lines.iter().filter(|line| line.request.bbox == Some(detection.bbox));
         for line in about {
             let Some(topic) = line.request.topic else { continue };
-            if let Err(message) = told(&mut detection.attributes, topic, line) {
+            if let Err(message) = apply_reply(&mut detection.attributes, topic, line) {
                 issues.push(Issue::about(IssueKind::NotDescribed, &detection.id, message));
             }
         }
@@ -185,30 +185,34 @@ pub fn play(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detect
 }
 
 /// What a reply says is there.
-fn things(reply: Option<&Reply>) -> Result<Vec<(PixelBox, f64, String)>, String> {
-    let reply = reply.ok_or("nobody has replied what is in the picture")?;
+fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
+    let reply = reply.ok_or("no reply to what is in the image")?;
     if let Some(found) = &reply.found {
         let score =
             |one: &Found| if one.score.is_finite() { one.score.clamp(0.0, 1.0) } else { 0.0 };
-        return Ok(found.iter().map(|one| (one.bbox, score(one), category(&one.label))).collect());
+        let read = |one: &Found| CategoryBox {
+            bbox: one.bbox,
+            score: score(one),
+            category: category(&one.label),
+        };
+        return Ok(found.iter().map(read).collect());
     }
     let text = reply.text.as_deref().ok_or("expected found or text in the reply, found neither")?;
     let boxes = json_boxes(text, [1.0, 1.0]).map_err(|error| format!("{error}: {text:?}"))?;
-    let thing = |one: JsonBox| {
+    let read = |one: JsonBox| {
         let [x0, y0, x1, y1] = one.corners;
         let label = if one.label.is_empty() { PERSON } else { &one.label };
-        (PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 }, 1.0, category(label))
+        let bbox = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
+        CategoryBox { bbox, score: 1.0, category: category(label) }
     };
-    Ok(boxes.into_iter().map(thing).collect())
+    Ok(boxes.into_iter().map(read).collect())
 }
 
 /// Puts what a reply says of a topic into a person's attributes.
-fn told(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
+fn apply_reply(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
     let Some(question) = questions(&[topic]).pop() else { return Ok(()) };
-    let reply = line
-        .reply
-        .as_ref()
-        .ok_or_else(|| format!("nobody has replied to {:?}", line.request.prompt))?;
+    let reply =
+        line.reply.as_ref().ok_or_else(|| format!("no reply to {:?}", line.request.prompt))?;
     if let Some(probabilities) = &reply.probabilities {
         let of = |spellings: &Vec<String>| -> f64 {
             spellings
@@ -242,10 +246,14 @@ mod tests {
 
     const IMAGE: ImageGeometry = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
 
+    fn at(bbox: [f64; 4], score: f64, category: &str) -> CategoryBox {
+        CategoryBox { bbox: bbox.into(), score, category: category.into() }
+    }
+
     fn detections() -> Detections {
         let mut found = numbered(vec![
-            (PixelBox::from([10.0, 5.0, 8.0, 20.0]), 0.9, "person".into()),
-            (PixelBox::from([95.0, 5.0, 9.0, 20.0]), 0.8, "chair".into()),
+            at([10.0, 5.0, 8.0, 20.0], 0.9, "person"),
+            at([95.0, 5.0, 9.0, 20.0], 0.8, "chair"),
         ]);
         let person = found.iter_mut().find(|one| one.category == PERSON).unwrap();
         person.attributes.set_age(Belief([(Age::Young, 0.75), (Age::Adolescent, 0.25)].into()));
@@ -258,38 +266,38 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_plays_what_was_recorded() {
+    fn a_recording_replays_what_was_recorded() {
         let lines = Exchange::record(&detections(), &[Topic::Age]);
         let text: Vec<String> =
             lines.iter().map(|line| serde_json::to_string(line).unwrap()).collect();
         let read = Exchange::read_lines(&text.join("\n")).unwrap();
         assert_eq!(read, lines);
-        assert_eq!(play(&read, &FrameId::default(), IMAGE), detections());
+        assert_eq!(replay(&read, &FrameId::default(), IMAGE), detections());
     }
 
     #[test]
     fn what_is_not_known_is_asked_and_may_be_answered_in_words() {
         let mut lines = Exchange::record(&detections(), &[Topic::Gender]);
         assert_eq!(lines[1].reply, None);
-        let silent = play(&lines, &FrameId::default(), IMAGE);
+        let silent = replay(&lines, &FrameId::default(), IMAGE);
         assert_eq!(silent.issues[0].subject, Some(EntityId::new("person", 1)));
         let say = |text: &str| Some(Reply { text: Some(text.into()), ..Reply::default() });
         lines[1].reply = say("She is a woman.");
-        let told = play(&lines, &FrameId::default(), IMAGE);
-        let person = told.detections.iter().find(|one| one.category == PERSON).unwrap();
+        let described = replay(&lines, &FrameId::default(), IMAGE);
+        let person = described.detections.iter().find(|one| one.category == PERSON).unwrap();
         assert_eq!(person.attributes.gender().best(), Some(Gender::Female));
         lines[1].reply = say("I cannot say.");
-        let unclear = play(&lines, &FrameId::default(), IMAGE);
+        let unclear = replay(&lines, &FrameId::default(), IMAGE);
         assert!(unclear.issues[0].message.contains("expected one of male, female"));
     }
 
     #[test]
-    fn boxes_in_words_are_people_and_broken_lines_are_told_by_number() {
+    fn boxes_in_words_are_people_and_errors_name_the_line() {
         let text = "\n{\"request\": {\"frame\": {\"sequence\": \"\", \"frame\": 0}, \"prompt\": \"?\"}, \
              \"reply\": {\"text\": \"[{\\\"bbox_2d\\\": [1, 2, 5, 20]}]\"}}";
         let read = Exchange::read_lines(text).unwrap();
-        let played = play(&read, &FrameId::default(), IMAGE);
-        assert_eq!(played.detections[0].bbox, PixelBox::from([1.0, 2.0, 4.0, 18.0]));
+        let replayed = replay(&read, &FrameId::default(), IMAGE);
+        assert_eq!(replayed.detections[0].bbox, PixelBox::from([1.0, 2.0, 4.0, 18.0]));
         let error = Exchange::read_lines("{}\n").unwrap_err().to_string();
         assert!(error.contains("line 1"), "{error}");
     }

@@ -16,7 +16,7 @@ use jrdb_perception::generation::Tokens;
 use jrdb_perception::grounding_dino::{
     CanvasConfig, GroundingDetector, GroundingDetectorConfig, GroundingDino,
 };
-use jrdb_perception::tiling::SweepConfig;
+use jrdb_perception::tiling::PanoramaConfig;
 use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
@@ -159,7 +159,7 @@ impl Backbone {
             | DetectorFiles::GroundingDino {
                 settings: GroundingDetectorConfig { tiles, .. },
                 ..
-            } => *tiles = SweepConfig::one_tile(),
+            } => *tiles = PanoramaConfig::one_tile(),
             DetectorFiles::Ssdlite(_) | DetectorFiles::Pair(_) => {}
         }
         single

@@ -4,14 +4,14 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
+use super::decoded_box::{DecodedBox, decoded_boxes};
 use super::model::Florence2;
-use super::said::{Said, said};
 use super::task::Task;
 use crate::detector::{Detector, Grounder, PerceptionError, check_image};
 use crate::image::Region;
 use crate::numbered::category;
 use crate::tiling::Candidate;
-use crate::tiling::SweepConfig;
+use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
 
 /// How things are looked for.
@@ -21,13 +21,13 @@ pub struct FlorenceDetectorConfig {
     /// The task, as Florence-2 writes it: `<OD>` for everything, `<OPEN_VOCABULARY_DETECTION>person` for people.
     pub task: String,
     /// How the panorama is cut into tiles.
-    pub tiles: SweepConfig,
+    pub tiles: PanoramaConfig,
 }
 
 impl Default for FlorenceDetectorConfig {
     /// Everything, on tiles.
     fn default() -> Self {
-        Self { task: "<OD>".into(), tiles: SweepConfig::default() }
+        Self { task: "<OD>".into(), tiles: PanoramaConfig::default() }
     }
 }
 
@@ -63,14 +63,14 @@ impl FlorenceDetector {
         Ok(Self { model, config, prompt, first_location })
     }
 
-    /// The boxes that the model sees in a part of a picture, in pixels of that part, as it said them.
+    /// The boxes that the model sees in a part of a picture, in pixels of that part, as it found them.
     ///
     /// # Errors
     /// When the picture has no pixels or a graph fails.
     ///
     /// # Panics
     /// When the part is not in the picture.
-    pub fn look(&self, image: &Image, part: Region) -> Result<Vec<Said>, PerceptionError> {
+    pub fn look(&self, image: &Image, part: Region) -> Result<Vec<DecodedBox>, PerceptionError> {
         self.look_for(image, part, &self.prompt)
     }
 
@@ -79,23 +79,23 @@ impl FlorenceDetector {
         image: &Image,
         part: Region,
         prompt: &[u32],
-    ) -> Result<Vec<Said>, PerceptionError> {
+    ) -> Result<Vec<DecodedBox>, PerceptionError> {
         check_image(image)?;
         let config = self.model.config();
         let seen = self.model.see(&config.picture.prepare_part(image, part))?;
         let sequence = self.model.answer(&seen, prompt, &config.decode)?;
         let size_px = [part.width_px as f64, part.height_px as f64];
-        let found = said(&sequence, self.first_location, size_px);
+        let decoded = decoded_boxes(&sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
-        found.into_iter().map(|one| one.labelled(label)).collect()
+        decoded.into_iter().map(|one| one.labelled(label)).collect()
     }
 }
 
 impl Detector for FlorenceDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
         self.config.tiles.detect(image, frame, |tile| {
-            let said = self.look(image, Region::of_tile(tile, image))?;
-            Ok(said.iter().filter_map(|one| candidate(one, tile)).collect())
+            let found = self.look(image, tile.region(image))?;
+            Ok(found.iter().filter_map(|one| candidate(one, tile)).collect())
         })
     }
 
@@ -121,17 +121,17 @@ impl Grounder for FlorenceDetector {
         let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
         let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
         self.config.tiles.detect(image, frame, |tile| {
-            let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
-            Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
+            let found = self.look_for(image, tile.region(image), &prompt)?;
+            Ok(found.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
         })
     }
 }
 
 /// A proper box of a tile; the model may say inverted ones.
-fn candidate(said: &Said, tile: Tile) -> Option<Candidate> {
-    let [x0, y0, x1, y1] = said.corners;
+fn candidate(found: &DecodedBox, tile: Tile) -> Option<Candidate> {
+    let [x0, y0, x1, y1] = found.corners;
     let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
-    let category = category(&said.label);
+    let category = category(&found.label);
     let keep = in_tile.is_proper() && !category.is_empty();
-    keep.then_some(Candidate { in_tile, tile, score: said.score, category })
+    keep.then_some(Candidate { in_tile, tile, score: found.score, category })
 }

@@ -5,18 +5,18 @@
 
 mod answer;
 mod config;
+mod decoded_box;
 mod decoder;
 mod detector;
 mod location;
 mod model;
-mod said;
 mod task;
 
 pub use answer::{Answer, Grammar, Labelled};
 pub use config::Florence2Config;
+pub use decoded_box::DecodedBox;
 pub use decoder::DecoderParts;
 pub use detector::{FlorenceDetector, FlorenceDetectorConfig};
 pub use location::Region;
 pub use model::{Florence2, Florence2Parts, Reply};
-pub use said::Said;
 pub use task::Task;

@@ -8,18 +8,18 @@ use super::model::{Grounded, GroundingConfig, GroundingDino};
 use crate::detector::{Detector, Grounder, PerceptionError};
 use crate::numbered::category;
 use crate::tiling::Candidate;
-use crate::tiling::SweepConfig;
+use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
 use crate::tiling::tiled::in_range;
 
-/// What is looked for, and how.
+/// What is output for, and how.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GroundingDetectorConfig {
     /// The phrases; what is found is called so. Words for people are all `person`.
     pub phrases: Vec<String>,
     /// How the panorama is cut into tiles.
-    pub tiles: SweepConfig,
+    pub tiles: PanoramaConfig,
     /// Which boxes are taken.
     pub grounding: GroundingConfig,
 }
@@ -29,7 +29,7 @@ impl Default for GroundingDetectorConfig {
     fn default() -> Self {
         Self {
             phrases: vec!["person".into()],
-            tiles: SweepConfig::default(),
+            tiles: PanoramaConfig::default(),
             grounding: GroundingConfig::default(),
         }
     }
@@ -69,9 +69,9 @@ impl GroundingDetector {
         name: &(impl Fn(usize) -> Option<String> + Sync),
     ) -> Result<Vec<Candidate>, PerceptionError> {
         let picture = tile.crop(image);
-        let looked = self.model.look(&picture, ids)?;
+        let output = self.model.look(&picture, ids)?;
         let size_px = [picture.width as f64, picture.height as f64];
-        let found = self.model.grounded(&looked, ids, size_px, &self.config.grounding)?;
+        let found = self.model.grounded(&output, ids, size_px, &self.config.grounding)?;
         let candidate = |one: Grounded| {
             let [x0, y0, x1, y1] = one.corners;
             let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };

@@ -6,5 +6,5 @@ mod model;
 mod picture;
 
 pub use detector::{GroundingDetector, GroundingDetectorConfig};
-pub use model::{Grounded, GroundingConfig, GroundingDino, Looked};
+pub use model::{Grounded, GroundingConfig, GroundingDino, GroundingOutput};
 pub use picture::{Canvas, CanvasConfig};

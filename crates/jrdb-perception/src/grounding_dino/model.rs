@@ -42,7 +42,7 @@ pub struct Grounded {
 
 /// What the model said: for each query the scores of the prompt's tokens, unnormalised, and a box.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Looked {
+pub struct GroundingOutput {
     /// f32 `[queries, columns]`.
     pub logits: Vec<f32>,
     /// Columns of `logits`.
@@ -106,7 +106,7 @@ impl GroundingDino {
     ///
     /// # Errors
     /// When the picture has no pixels or the graph fails.
-    pub fn look(&self, image: &Image, ids: &[u32]) -> Result<Looked, PerceptionError> {
+    pub fn look(&self, image: &Image, ids: &[u32]) -> Result<GroundingOutput, PerceptionError> {
         check_image(image)?;
         let canvas = self.canvas.prepare(image);
         let row = |data: Vec<i64>| Tensor::I64 { shape: vec![1, ids.len()], data };
@@ -128,7 +128,7 @@ impl GroundingDino {
                 Some(Tensor::F32 { shape, data: logits }),
             ) if shape.len() == 3 && box_shape.last() == Some(&4) => {
                 let boxes = boxes.as_chunks::<4>().0.to_vec();
-                Ok(Looked { logits, columns: shape[2], boxes })
+                Ok(GroundingOutput { logits, columns: shape[2], boxes })
             }
             (boxes, logits) => {
                 let say = |t: Option<Tensor>| t.map_or("nothing".into(), |t| t.describe());
@@ -145,14 +145,14 @@ impl GroundingDino {
     /// When the tokens of a label cannot be read.
     pub fn grounded(
         &self,
-        looked: &Looked,
+        output: &GroundingOutput,
         ids: &[u32],
         size_px: [f64; 2],
         config: &GroundingConfig,
     ) -> Result<Vec<Grounded>, PerceptionError> {
         let phrases = self.phrases(ids)?;
         let mut found = Vec::new();
-        for (row, bbox) in looked.logits.chunks_exact(looked.columns.max(1)).zip(&looked.boxes) {
+        for (row, bbox) in output.logits.chunks_exact(output.columns.max(1)).zip(&output.boxes) {
             let sure: Vec<f64> = row.iter().map(|logit| sigmoid(f64::from(*logit))).collect();
             let score = sure.iter().copied().fold(0.0, f64::max);
             if score > config.threshold {

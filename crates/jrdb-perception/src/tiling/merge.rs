@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::tiles::Tile;
 use crate::detector::PerceptionError;
+use crate::numbered::CategoryBox;
 
 /// When boxes of different tiles are the same thing.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -82,7 +83,7 @@ pub fn merge(
     tiles: &[Tile],
     image: ImageGeometry,
     config: &MergeConfig,
-) -> Vec<(PixelBox, f64, String)> {
+) -> Vec<CategoryBox> {
     let period_px = image.period_px();
     let place = |candidate: &'_ Candidate| -> (PixelBox, bool, f64) {
         let (tile, bbox) = (candidate.tile, candidate.in_tile);
@@ -119,8 +120,12 @@ pub fn merge(
             kept.push(next);
         }
     }
-    let told = |one: Placed<'_>| (one.bbox, one.candidate.score, one.candidate.category.clone());
-    kept.into_iter().map(told).collect()
+    let in_image = |one: Placed<'_>| CategoryBox {
+        bbox: one.bbox,
+        score: one.candidate.score,
+        category: one.candidate.category.clone(),
+    };
+    kept.into_iter().map(in_image).collect()
 }
 
 /// The part of the smaller of two boxes that the other covers.
@@ -170,8 +175,8 @@ mod tests {
                 starts.iter().map(|s| PixelBox::from([f64::from(s * 50), 10.0, f64::from(wide), 80.0])).collect();
             let tiles = tiles(IMAGE, 200, 0.41);
             let mut found = merge(&seen(&things, &tiles), &tiles, IMAGE, &MergeConfig::default());
-            found.sort_by(|a, b| a.0.x.total_cmp(&b.0.x));
-            let boxes: Vec<PixelBox> = found.iter().map(|one| one.0).collect();
+            found.sort_by(|a, b| a.bbox.x.total_cmp(&b.bbox.x));
+            let boxes: Vec<PixelBox> = found.iter().map(|one| one.bbox).collect();
             prop_assert_eq!(boxes, things);
         }
     }

@@ -6,7 +6,8 @@ mod panorama;
 pub(crate) mod tiled;
 mod tiles;
 
+pub use crate::numbered::CategoryBox;
 pub use merge::{Candidate, MergeConfig, merge};
 pub use nms::{ScoredBox, nms};
-pub use panorama::SweepConfig;
+pub use panorama::PanoramaConfig;
 pub use tiles::{Tile, tiles};

@@ -13,7 +13,7 @@ use crate::numbered::numbered;
 /// How a panorama is cut into tiles, and how what they show becomes one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct SweepConfig {
+pub struct PanoramaConfig {
     /// Whether the image is a panorama whose last column borders on the first.
     pub wraps: bool,
     /// Width of a tile as a part of the image's height; in `(0, 100]`, 0 for the whole image as one.
@@ -27,7 +27,7 @@ pub struct SweepConfig {
     pub merge: MergeConfig,
 }
 
-impl Default for SweepConfig {
+impl Default for PanoramaConfig {
     /// Where each number comes from is said at the field.
     fn default() -> Self {
         let (tile_aspect, tile_overlap) = (4.0 / 3.0, 0.41);
@@ -35,7 +35,7 @@ impl Default for SweepConfig {
     }
 }
 
-impl SweepConfig {
+impl PanoramaConfig {
     /// A picture as a single tile that does not wrap around.
     #[must_use]
     pub fn one_tile() -> Self {

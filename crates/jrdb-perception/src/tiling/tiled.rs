@@ -8,6 +8,7 @@ use super::nms::{ScoredBox, nms};
 use super::tiles::{Tile, tiles};
 use crate::detector::{PerceptionError, check_image};
 use crate::image::{Filter, resize};
+use crate::numbered::CategoryBox;
 
 /// How a panorama is cut into tiles, and what becomes of the boxes found in them. What each number means says
 /// [`crate::SsdLiteConfig`].
@@ -22,7 +23,7 @@ pub(crate) struct Tiling<'a> {
 
 /// Something found, of a class that the model numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Found {
+pub(crate) struct ClassBox {
     pub(crate) class: usize,
     pub(crate) scored: ScoredBox,
 }
@@ -54,12 +55,12 @@ impl Tiling<'_> {
     /// tile of the size told; the best of every thing of each class, in pixels of the image, by class, best first.
     ///
     /// Tiles run in parallel; the result does not depend on the number of threads.
-    pub(crate) fn sweep(
+    pub(crate) fn detect(
         &self,
         image: &Image,
         side: usize,
-        look: impl Fn(&Image, TileSize) -> Result<Vec<Found>, PerceptionError> + Sync,
-    ) -> Result<Vec<Found>, PerceptionError> {
+        look: impl Fn(&Image, TileSize) -> Result<Vec<ClassBox>, PerceptionError> + Sync,
+    ) -> Result<Vec<ClassBox>, PerceptionError> {
         check_image(image)?;
         self.check()?;
         let geometry = self.geometry(image);
@@ -72,7 +73,8 @@ impl Tiling<'_> {
             let size = (f64::from(tile.width_px), f64::from(geometry.height_px));
             Ok(self.settle(look(&picture, size)?, *tile, geometry))
         };
-        let found: Vec<Result<Vec<Found>, PerceptionError>> = all.par_iter().map(look_at).collect();
+        let found: Vec<Result<Vec<ClassBox>, PerceptionError>> =
+            all.par_iter().map(look_at).collect();
         let mut candidates = Vec::new();
         for boxes in found {
             candidates.extend(boxes?);
@@ -83,7 +85,12 @@ impl Tiling<'_> {
     /// What of a tile's boxes goes on to the whole image. Each tile first settles on its own things, as models
     /// are trained to be used: a box that only repeats one of them must not outlive it when another tile shows
     /// that thing better.
-    fn settle(&self, mut found: Vec<Found>, tile: Tile, geometry: ImageGeometry) -> Vec<Found> {
+    fn settle(
+        &self,
+        mut found: Vec<ClassBox>,
+        tile: Tile,
+        geometry: ImageGeometry,
+    ) -> Vec<ClassBox> {
         let margin_px = self.border_margin * f64::from(tile.width_px);
         let is_whole = |b: &PixelBox| b.is_proper() && !tile.cuts(b, margin_px, geometry);
         found.retain(|found| is_whole(&found.scored.bbox));
@@ -96,14 +103,14 @@ impl Tiling<'_> {
 }
 
 /// Non-maximum suppression among the boxes of each class.
-fn best(found: &[Found], max_iou: f64, period_px: Option<f64>) -> Vec<Found> {
+fn best(found: &[ClassBox], max_iou: f64, period_px: Option<f64>) -> Vec<ClassBox> {
     let mut classes: Vec<usize> = found.iter().map(|f| f.class).collect();
     classes.sort_unstable();
     classes.dedup();
     let of_class = |class: usize| {
         let boxes = found.iter().filter(|f| f.class == class).map(|f| f.scored);
         let kept = nms(&boxes.collect::<Vec<_>>(), max_iou, period_px);
-        kept.into_iter().map(move |scored| Found { class, scored })
+        kept.into_iter().map(move |scored| ClassBox { class, scored })
     };
     classes.into_iter().flat_map(of_class).collect()
 }
@@ -125,6 +132,10 @@ pub(crate) fn unit(setting: &'static str, found: f64) -> Result<(), PerceptionEr
 
 /// Things of one category as detections, numbered from left to right, then from top to bottom.
 pub(crate) fn numbered(category: &str, boxes: Vec<ScoredBox>) -> Vec<Detection> {
-    let named = |found: ScoredBox| (found.bbox, found.score, category.to_owned());
+    let named = |found: ScoredBox| CategoryBox {
+        bbox: found.bbox,
+        score: found.score,
+        category: category.to_owned(),
+    };
     crate::numbered::numbered(boxes.into_iter().map(named).collect())
 }

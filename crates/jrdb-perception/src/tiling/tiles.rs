@@ -2,6 +2,8 @@
 
 use jrdb_types::{Image, ImageGeometry, PixelBox};
 
+use crate::image::Region;
+
 /// A part of an image: all rows, `width_px` columns from `x_px` on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Tile {
@@ -39,6 +41,13 @@ pub fn tiles(image: ImageGeometry, width_px: u32, overlap: f64) -> Vec<Tile> {
 }
 
 impl Tile {
+    /// The rectangle of the image that the tile shows.
+    #[must_use]
+    pub fn region(&self, image: &Image) -> Region {
+        let (x_px, width_px) = (self.x_px as usize, self.width_px as usize);
+        Region { x_px, width_px, ..Region::whole(image) }
+    }
+
     /// The tile's picture.
     ///
     /// # Panics

@@ -4,7 +4,7 @@ use jrdb_types::{Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
-use super::model::{Read, Vlm};
+use super::model::{PromptState, Vlm};
 use super::score::{free_answer, probabilities, shared_beginning};
 use crate::detector::{AttributeModel, PerceptionError, check_image};
 use crate::image::{Wrap, crop};
@@ -126,7 +126,7 @@ impl VlmAttributes {
     }
 
     /// Probabilities of the vocabulary's words; all 0 where the answer is none of them.
-    fn answer(&self, read: Read, question: &Question) -> Result<Vec<f64>, PerceptionError> {
+    fn answer(&self, read: PromptState, question: &Question) -> Result<Vec<f64>, PerceptionError> {
         match self.config.profile {
             Profile::Robust => {
                 let scores = self.vlm.score(&read, &question.labels, self.end)?;

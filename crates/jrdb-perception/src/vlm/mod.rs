@@ -16,7 +16,7 @@ pub use attribute::{AttributeConfig, Profile, VlmAttributes};
 pub use causal::{Cache, Place};
 pub use family::{Family, Shown};
 pub use internvl::{InternVlConfig, grid, tiles_of};
-pub use model::{Read, Vlm, VlmParts};
+pub use model::{PromptState, Vlm, VlmParts};
 pub use qwen25vl::{Patches, Qwen25VlConfig};
 pub use score::LabelScore;
 pub use text_model::TextModel;

@@ -42,7 +42,7 @@ impl fmt::Debug for Vlm {
 
 /// A prompt that the model has read: its caches, and the scores of what comes next.
 #[derive(Debug)]
-pub struct Read {
+pub struct PromptState {
     cache: Cache,
     /// Scores of the next token, unnormalised.
     next: Vec<f32>,
@@ -111,28 +111,32 @@ impl Vlm {
         ids: &[u32],
         features: &[f32],
         places: Option<&[Place]>,
-    ) -> Result<Read, PerceptionError> {
+    ) -> Result<PromptState, PerceptionError> {
         let embeds = self.with_image(ids, features)?;
         let (logits, cache) = self.causal.run(None, &embeds, places, 1)?;
-        Ok(Read { cache, next: last_row(&logits)? })
+        Ok(PromptState { cache, next: last_row(&logits)? })
     }
 
     /// Reads further ids, words only, after what was read before.
     ///
     /// # Errors
     /// When a graph fails.
-    pub fn read_on(&self, before: &Read, ids: &[u32]) -> Result<Read, PerceptionError> {
+    pub fn read_on(
+        &self,
+        before: &PromptState,
+        ids: &[u32],
+    ) -> Result<PromptState, PerceptionError> {
         let embeds = self.embed(ids, [1, ids.len()])?;
         let (logits, cache) = self.causal.run(Some(&before.cache), &embeds, None, 1)?;
-        Ok(Read { cache, next: last_row(&logits)? })
+        Ok(PromptState { cache, next: last_row(&logits)? })
     }
 
     /// Writes what comes after a prompt, word by word, up to so many tokens. The ids are those of the answer, its end included.
     ///
     /// # Errors
     /// When a graph fails.
-    pub fn write(&self, read: Read, longest: usize) -> Result<Sequence, PerceptionError> {
-        let Read { cache, next } = read;
+    pub fn write(&self, read: PromptState, longest: usize) -> Result<Sequence, PerceptionError> {
+        let PromptState { cache, next } = read;
         let (mut cache, mut first) = (cache, Some(next));
         let config =
             DecodeConfig { num_beams: 1, max_length: longest + 1, ..self.text.decode.clone() };
@@ -156,7 +160,7 @@ impl Vlm {
     /// When a graph fails.
     pub fn weigh(
         &self,
-        read: &Read,
+        read: &PromptState,
         continuations: &[Vec<u32>],
     ) -> Result<Vec<Vec<f64>>, PerceptionError> {
         let at_once = self.causal.rows_at_once(&read.cache).max(1);
@@ -170,7 +174,7 @@ impl Vlm {
     /// All continuations in one run: shorter ones are filled up behind their end, which nothing before it sees.
     fn weigh_together(
         &self,
-        read: &Read,
+        read: &PromptState,
         continuations: &[Vec<u32>],
     ) -> Result<Vec<Vec<f64>>, PerceptionError> {
         let first = |ids: &Vec<u32>| ids.first().map(|id| log_prob(&read.next, *id));

@@ -1,6 +1,6 @@
 //! How probable each word of a closed vocabulary is as the answer to a question.
 
-use super::model::{Read, Vlm};
+use super::model::{PromptState, Vlm};
 use crate::detector::PerceptionError;
 use crate::prompts::{Question, label_in};
 
@@ -22,7 +22,7 @@ impl Vlm {
     /// When a spelling has no tokens or a graph fails.
     pub fn score(
         &self,
-        read: &Read,
+        read: &PromptState,
         labels: &[Vec<String>],
         end: u32,
     ) -> Result<Vec<Vec<LabelScore>>, PerceptionError> {
@@ -72,7 +72,7 @@ pub(super) fn shared_beginning(prompts: &[Vec<u32>]) -> usize {
 /// The answer that a model writes by itself, as a place in the question's vocabulary.
 pub(super) fn free_answer(
     vlm: &Vlm,
-    read: Read,
+    read: PromptState,
     question: &Question,
     longest: usize,
 ) -> Result<Option<usize>, PerceptionError> {

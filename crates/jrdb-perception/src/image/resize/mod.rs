@@ -10,7 +10,6 @@ mod taps;
 use jrdb_types::Image;
 
 use super::tensor::{Layout, Normalise};
-use crate::tiling::Tile;
 pub use filter::Filter;
 use taps::Taps;
 
@@ -32,13 +31,6 @@ impl Region {
     #[must_use]
     pub fn whole(image: &Image) -> Self {
         Self { x_px: 0, y_px: 0, width_px: image.width, height_px: image.height }
-    }
-
-    /// What a tile shows of a picture: all rows of its columns.
-    #[must_use]
-    pub fn of_tile(tile: Tile, image: &Image) -> Self {
-        let (x_px, width_px) = (tile.x_px as usize, tile.width_px as usize);
-        Self { x_px, width_px, ..Self::whole(image) }
     }
 
     fn has_pixels(self) -> bool {

@@ -13,7 +13,7 @@ pub use classes::COCO_CLASSES;
 use crate::detector::{Detector, PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
 use crate::tiling::ScoredBox;
-use crate::tiling::tiled::{Found, TileSize, Tiling, numbered, unit};
+use crate::tiling::tiled::{ClassBox, TileSize, Tiling, numbered, unit};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 416;
@@ -110,7 +110,7 @@ impl NanoDet {
     }
 
     /// Things in a square picture of a tile, in pixels of that tile.
-    fn look(&self, picture: &Image, size: TileSize) -> Result<Vec<Found>, PerceptionError> {
+    fn look(&self, picture: &Image, size: TileSize) -> Result<Vec<ClassBox>, PerceptionError> {
         let names: Vec<&str> = (GRIDS.iter().map(|(_, scores, _)| *scores))
             .chain(GRIDS.iter().map(|(.., sides)| *sides))
             .collect();
@@ -128,10 +128,10 @@ impl NanoDet {
     }
 
     /// The classes that a cell is sure enough of, with its box, which is worked out only then.
-    fn cell(&self, scores: &[f32; CLASSES], bbox: impl Fn() -> PixelBox) -> Vec<Found> {
+    fn cell(&self, scores: &[f32; CLASSES], bbox: impl Fn() -> PixelBox) -> Vec<ClassBox> {
         let scores = scores.iter().map(|score| f64::from(*score)).enumerate();
         let sure = scores.filter(|(_, score)| *score >= self.config.min_score);
-        sure.map(|(class, score)| Found { class, scored: ScoredBox { bbox: bbox(), score } })
+        sure.map(|(class, score)| ClassBox { class, scored: ScoredBox { bbox: bbox(), score } })
             .collect()
     }
 }
@@ -140,7 +140,7 @@ impl Detector for NanoDet {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
         unit("min_score", self.config.min_score)?;
         let tiling = self.config.tiling();
-        let found = tiling.sweep(image, SIDE, |picture, size| self.look(picture, size))?;
+        let found = tiling.detect(image, SIDE, |picture, size| self.look(picture, size))?;
         let of_class = |class: usize| {
             let boxes = found.iter().filter(|found| found.class == class);
             numbered(COCO_CLASSES[class], boxes.map(|found| found.scored).collect())

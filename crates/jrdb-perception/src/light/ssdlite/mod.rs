@@ -14,7 +14,7 @@ use anchors::{Anchor, anchors};
 use crate::detector::{Detector, PerceptionError, rows};
 use crate::engine::{Engine, Tensor};
 use crate::tiling::ScoredBox;
-use crate::tiling::tiled::{Found, TileSize, Tiling, numbered, unit};
+use crate::tiling::tiled::{ClassBox, TileSize, Tiling, numbered, unit};
 
 /// Side of the model's input, pixels.
 const SIDE: usize = 300;
@@ -113,7 +113,7 @@ impl SsdLite {
         &self,
         picture: &Image,
         (width_px, height_px): TileSize,
-    ) -> Result<Vec<Found>, PerceptionError> {
+    ) -> Result<Vec<ClassBox>, PerceptionError> {
         let outputs = self.engine.run(&[(INPUT, &input(picture))], &[BOXES, LOGITS])?;
         let codes = rows::<4>(BOXES, &outputs, 0, self.anchors.len())?;
         let logits = rows::<2>(LOGITS, &outputs, 1, self.anchors.len())?;
@@ -122,7 +122,7 @@ impl SsdLite {
             .filter(|(.., score)| *score >= self.config.min_score)
             .map(|(anchor, code, score)| {
                 let bbox = anchor.decode(code, width_px, height_px);
-                Found { class: 0, scored: ScoredBox { bbox, score } }
+                ClassBox { class: 0, scored: ScoredBox { bbox, score } }
             });
         Ok(found.collect())
     }
@@ -132,7 +132,7 @@ impl Detector for SsdLite {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
         unit("min_score", self.config.min_score)?;
         let tiling = self.config.tiling();
-        let found = tiling.sweep(image, SIDE, |picture, size| self.look(picture, size))?;
+        let found = tiling.detect(image, SIDE, |picture, size| self.look(picture, size))?;
         let people = found.into_iter().map(|found| found.scored).collect();
         let (frame, image) = (frame.clone(), tiling.geometry(image));
         Ok(Detections { frame, image, detections: numbered(PERSON, people), issues: Vec::new() })
