@@ -1,7 +1,8 @@
-//! Perception by anybody: what is asked of a model, and what it replied, one JSON object a line.
+//! Perception by an external model: requests and replies as JSON Lines.
 //!
-//! A line holds a request and, once there is one, its reply. Lines without reply go out to whatever can answer them: a script, a server, a model that
-//! runs nowhere here. Lines with replies come back, and play as a recording of any model does.
+//! A line holds a request and, once there is one, its reply. Lines without a reply are requests to
+//! an external model, such as a script or a server. Lines with replies are read back and replayed;
+//! a recording of a model has the same form.
 
 use std::collections::BTreeMap;
 
@@ -18,9 +19,9 @@ use crate::prompts::{JsonBox, Question, Topic, believed, json_boxes, label_in, p
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exchange {
-    /// What is asked.
+    /// The request.
     pub request: Request,
-    /// What was answered.
+    /// The reply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reply: Option<Reply>,
 }
@@ -34,8 +35,8 @@ pub struct Request {
     /// The picture to look at, from the folder of the exchange: the panorama, or the part in `box`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<String>,
-    /// The part of the panorama in question, pixels; the whole of it if absent. What is in a box is to be described; in the whole,
-    /// things are to be found.
+    /// The part of the panorama, pixels; absent for the whole panorama. A request with a box asks
+    /// for an attribute of the person in it; a request without one asks for detections.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub bbox: Option<PixelBox>,
     /// Which attribute of the person in the box.
@@ -52,22 +53,23 @@ pub struct Request {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reply {
-    /// In words: one of the labels, perhaps in a sentence; or boxes in JSON, as vision-language models write them.
+    /// Text: one of the labels, possibly in a sentence; or boxes in JSON, in the form of
+    /// vision-language models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
     /// Probabilities of the labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probabilities: Option<BTreeMap<String, f64>>,
-    /// What was found, pixels of the panorama.
+    /// The detections, pixels of the panorama.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub found: Option<Vec<Found>>,
 }
 
-/// A thing that was found.
+/// A detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Found {
-    /// What it is; every word for a person is `person`.
+    /// Its category; every word for a person becomes `person`.
     pub label: String,
     /// Where, pixels of the panorama.
     #[serde(rename = "box")]
@@ -81,14 +83,14 @@ fn certain() -> f64 {
     1.0
 }
 
-/// What is asked of a model that shall find everything.
+/// The prompt that asks a model for all detections.
 pub const FIND: &str = "Locate every person and every object in the image. Answer in JSON: [{\"label\": name, \"bbox_2d\": [x0, y0, x1, y1]}].";
 
 impl Exchange {
     /// Reads the lines of a file. Empty lines are skipped.
     ///
     /// # Errors
-    /// [`PerceptionError::Line`] with the number of the first line that is no exchange.
+    /// [`PerceptionError::Line`] with the number of the first line that is not an exchange.
     pub fn read_lines(text: &str) -> Result<Vec<Self>, PerceptionError> {
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let read = |(number, line): (usize, &str)| {
@@ -97,8 +99,8 @@ impl Exchange {
         lines.map(read).collect()
     }
 
-    /// What a model would have to be asked to give these detections, with their contents as replies: a recording. People's attributes on
-    /// `topics` that are not known are questions without a reply.
+    /// A recording: the requests and replies that reproduce these detections. Attributes on
+    /// `topics` that are unknown become requests without a reply.
     #[must_use]
     pub fn record(detections: &Detections, topics: &[Topic]) -> Vec<Self> {
         let found = |detection: &Detection| Found {
@@ -148,9 +150,10 @@ fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec
     questions(topics).into_iter().map(ask).collect()
 }
 
-/// What was replied about one frame, as detections. A reply that cannot be used is an issue; so is a person about whom nothing was replied.
+/// The detections that the replies for one frame describe. A missing or unusable reply is reported
+/// as an issue.
 ///
-/// Without a line that finds things, the boxes that were asked about are people.
+/// If no line asks for detections, the boxes of the other requests are people.
 #[must_use]
 pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
     let lines: Vec<&Exchange> = lines.iter().filter(|line| line.request.frame == *frame).collect();
@@ -184,7 +187,7 @@ pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Dete
     Detections { frame: frame.clone(), image, detections, issues }
 }
 
-/// What a reply says is there.
+/// The boxes in a reply.
 fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
     let reply = reply.ok_or("no reply to what is in the image")?;
     if let Some(found) = &reply.found {
@@ -208,7 +211,7 @@ fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
     Ok(boxes.into_iter().map(read).collect())
 }
 
-/// Puts what a reply says of a topic into a person's attributes.
+/// Writes the reply on a topic into the attributes of a person.
 fn apply_reply(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
     let Some(question) = questions(&[topic]).pop() else { return Ok(()) };
     let reply =

@@ -1,8 +1,8 @@
-//! An engine for unit tests: no graph, the same outputs always.
+//! An engine for unit tests: no graph, always the same outputs.
 
 use crate::engine::{DeviceTensor, Engine, EngineError, Input, Tensor};
 
-/// Answers every run with these outputs, whatever is asked.
+/// Returns these outputs from every run.
 #[derive(Debug)]
 pub(crate) struct Fixed(pub Vec<Tensor>);
 

@@ -29,12 +29,12 @@ impl fmt::Debug for OrtLibrary {
 }
 
 impl OrtLibrary {
-    /// Loads the library from a file (`libonnxruntime.so`, `.dylib`, `onnxruntime.dll`). Loading the same
-    /// path again gives the same library.
+    /// Loads the library from a file (`libonnxruntime.so`, `.dylib`, `onnxruntime.dll`). Loading
+    /// the same path again returns the same library.
     ///
     /// # Errors
-    /// [`EngineError::Library`] if the file cannot be used, [`EngineError::SecondLibrary`] if another one
-    /// is in use.
+    /// [`EngineError::Library`] if the file cannot be used, [`EngineError::SecondLibrary`] if
+    /// another one is in use.
     pub fn load(path: &Path) -> Result<Self, EngineError> {
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(library) = loaded.as_ref() {
@@ -52,25 +52,26 @@ impl OrtLibrary {
         Ok(library)
     }
 
-    /// The file, as it was given.
+    /// The path from which it was loaded.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-/// How calls that come at once share a model. A session runs one call at a time and has memory of its own.
+/// How concurrent calls share a model. A session runs one call at a time and has its own memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sessions {
-    /// A session for every call at once, each on this many threads (0: as many as there are cores). With 1 the caller decides how
-    /// much runs at once. For small models.
+    /// One session per concurrent call, each with this many threads (0: one per core). With 1 the
+    /// caller controls the parallelism. For small models.
     PerCall {
         /// Threads of each session.
         threads: usize,
     },
-    /// One session, for which further calls wait. For models whose weights should be in memory once.
+    /// One session; concurrent calls wait for it. For models whose weights should be in memory only
+    /// once.
     One {
-        /// Its threads (0: as many as there are cores).
+        /// Its threads (0: one per core).
         threads: usize,
     },
 }
@@ -102,11 +103,11 @@ impl fmt::Debug for OrtEngine {
 }
 
 impl OrtEngine {
-    /// Reads an ONNX model. Each run uses `intra_threads` threads (0: as many as there are cores); with 1 the
-    /// caller decides how much runs at once.
+    /// Reads an ONNX model. Each run uses `intra_threads` threads (0: one per core); with 1 the
+    /// caller controls the parallelism.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the bytes are no ONNX model that the library knows.
+    /// [`EngineError::Model`] if the library cannot load the bytes as an ONNX model.
     pub fn from_onnx(
         library: &OrtLibrary,
         bytes: &[u8],
@@ -116,10 +117,11 @@ impl OrtEngine {
         Self::open(library, Source::Bytes(bytes.to_vec()), sessions)
     }
 
-    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file must stay.
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file must
+    /// stay.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the file is no ONNX model that the library knows.
+    /// [`EngineError::Model`] if the library cannot load the file as an ONNX model.
     pub fn from_file(
         library: &OrtLibrary,
         path: &Path,
@@ -165,7 +167,7 @@ impl OrtEngine {
         }
     }
 
-    /// Runs a session and gives its outputs to `read`.
+    /// Runs a session and passes its outputs to `read`.
     fn with_outputs<T>(
         &self,
         inputs: &[(&str, Input<'_>)],
@@ -192,7 +194,8 @@ impl OrtEngine {
 fn open(library: &OrtLibrary, source: &Source, sessions: Sessions) -> Result<Session, EngineError> {
     let refused = |source: Cause| EngineError::Model { engine: NAME, source };
     let (Sessions::PerCall { threads } | Sessions::One { threads }) = sessions;
-    // The builder's errors carry the builder, which may not leave this thread: only their text goes on.
+    // The builder's errors carry the builder, which may not leave this thread: only their text goes
+    // on.
     let mut builder = Session::builder(&library.environment)
         .map_err(|e| refused(e.into()))?
         .with_intra_threads(threads)

@@ -16,8 +16,8 @@ pub struct RtenEngine {
     model: Model,
     inputs: Vec<String>,
     outputs: Vec<String>,
-    /// Pools of one thread that no run is using. Each run has a thread of its own, so that the caller
-    /// decides how much runs at once and the sums do not depend on it.
+    /// Pools of one thread that no run is using. Each run has a thread of its own, so that the
+    /// caller decides how much runs at once and the sums do not depend on it.
     idle: Mutex<Vec<Arc<ThreadPool>>>,
 }
 
@@ -32,7 +32,8 @@ impl RtenEngine {
     /// Reads an ONNX model.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the bytes are no ONNX model or use an operator unknown to rten.
+    /// [`EngineError::Model`] if the bytes are not an ONNX model or use an operator unknown to
+    /// rten.
     pub fn from_onnx(bytes: &[u8]) -> Result<Self, EngineError> {
         Model::load(bytes.to_vec())
             .map(Self::new)
@@ -42,7 +43,7 @@ impl RtenEngine {
     /// Reads an ONNX model from a file, and weights that it keeps in files beside it.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the file is no ONNX model or uses an operator unknown to rten.
+    /// [`EngineError::Model`] if the file is not an ONNX model or uses an operator unknown to rten.
     pub fn from_file(path: &Path) -> Result<Self, EngineError> {
         Model::load_file(path)
             .map(Self::new)
@@ -70,8 +71,9 @@ impl RtenEngine {
         let free = idle().pop();
         let pool = free.unwrap_or_else(|| Arc::new(ThreadPool::with_num_threads(1)));
         let options = RunOptions::default().with_thread_pool(Some(Arc::clone(&pool)));
-        // A rayon worker that waits for another pool takes up further jobs of its own meanwhile: a caller
-        // that runs many models in parallel would then start them all at once. A plain thread just waits.
+        // A rayon worker that waits for another pool takes up further jobs of its own meanwhile: a
+        // caller that runs many models in parallel would then start them all at once. A plain
+        // thread just waits.
         let result = std::thread::scope(|scope| {
             scope.spawn(|| self.model.run(inputs, outputs, Some(options))).join()
         });

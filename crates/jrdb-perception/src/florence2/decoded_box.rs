@@ -1,17 +1,18 @@
-//! A sequence of tokens as boxes, each with how sure the model was of it.
+//! Boxes in a sequence of tokens, each with its confidence.
 
 use super::location::BINS;
 use crate::detector::PerceptionError;
 use crate::generation::Sequence;
 
-/// A box that the model said.
+/// A box that the model wrote.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DecodedBox {
     /// The words before it.
     pub label: String,
     /// Its corners x0, y0, x1, y1, pixels of the picture; perhaps inverted.
     pub corners: [f64; 4],
-    /// Geometric mean of the probabilities of its label's tokens and its four locations, in `[0, 1]`.
+    /// Geometric mean of the probabilities of its label's tokens and its four locations, in `[0,
+    /// 1]`.
     pub score: f64,
 }
 
@@ -32,7 +33,8 @@ impl TokenBox {
     }
 }
 
-/// The boxes of a sequence: words, then four locations for each of one or several boxes. Fewer than four are no box.
+/// The boxes of a sequence: words, then four locations for each of one or several boxes. Fewer than
+/// four locations are skipped.
 pub(super) fn decoded_boxes(
     sequence: &Sequence,
     first_location: u32,

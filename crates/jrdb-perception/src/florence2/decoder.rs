@@ -7,7 +7,8 @@ use crate::generation::Logits;
 /// The graphs that decode.
 #[derive(Debug)]
 pub enum DecoderParts {
-    /// `decoder_model` for the first token, which makes the caches, and `decoder_with_past_model` for the others.
+    /// `decoder_model` for the first token, which makes the caches, and `decoder_with_past_model`
+    /// for the others.
     Split {
         /// Without caches.
         first: Box<dyn Engine>,
@@ -23,7 +24,7 @@ pub(super) struct Decoder {
     parts: DecoderParts,
     /// Names of the caches without the prefix, those of the text first: `0.decoder.key`.
     own: Vec<String>,
-    /// Those of what the encoder gave: `0.encoder.key`.
+    /// Those of the encoder's output: `0.encoder.key`.
     cross: Vec<String>,
     /// Names of all caches as inputs, those of the text first.
     past: Vec<String>,
@@ -33,7 +34,7 @@ pub(super) struct Decoder {
     head_width: usize,
 }
 
-/// Where a search is: what is attended to, and the caches after the last step.
+/// The state of a search: the encoder's output, and the caches after the last step.
 pub(super) struct State<'a> {
     hidden: &'a Tensor,
     mask: &'a Tensor,
@@ -92,7 +93,8 @@ impl Decoder {
         }
     }
 
-    /// The scores after one more token of each sequence, which continues the given row of the last step.
+    /// The scores after one more token of each sequence, which continues the given row of the last
+    /// step.
     pub(super) fn step(
         &self,
         state: &mut State<'_>,
@@ -182,7 +184,7 @@ impl State<'_> {
         Ok(())
     }
 
-    /// Repeats what belongs to the picture for so many sequences.
+    /// Repeats the tensors of the picture for this many sequences.
     fn repeat(&mut self, rows: usize, names: &[String]) -> Result<(), PerceptionError> {
         if rows == self.rows.max(1) {
             self.rows = rows;
@@ -211,7 +213,7 @@ fn run(
     Ok(engine.run_on_device(inputs, &outputs)?)
 }
 
-/// A tensor `[1, ..]` so many times.
+/// A tensor `[1, ..]`, repeated `rows` times.
 fn repeat(tensor: &Tensor, rows: usize) -> Tensor {
     let longer = |shape: &[usize]| [&[rows], &shape[1..]].concat();
     match tensor {

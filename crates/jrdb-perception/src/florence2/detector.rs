@@ -1,4 +1,4 @@
-//! People and things in a panorama by asking Florence-2 about wrapped tiles.
+//! People and objects in a panorama, by Florence-2 on wrapped tiles.
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
@@ -14,11 +14,12 @@ use crate::tiling::Candidate;
 use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
 
-/// How things are looked for.
+/// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FlorenceDetectorConfig {
-    /// The task, as Florence-2 writes it: `<OD>` for everything, `<OPEN_VOCABULARY_DETECTION>person` for people.
+    /// The task, as Florence-2 writes it: `<OD>` for everything,
+    /// `<OPEN_VOCABULARY_DETECTION>person` for people.
     pub task: String,
     /// How the panorama is cut into tiles.
     pub tiles: PanoramaConfig,
@@ -31,8 +32,8 @@ impl Default for FlorenceDetectorConfig {
     }
 }
 
-/// Finds people and things in images of any size. Tiles run in parallel on the current rayon pool; the result does not depend on its
-/// number of threads.
+/// Detects people and objects in images of any size. Tiles run in parallel on the current rayon
+/// pool; the result does not depend on its number of threads.
 #[derive(Debug)]
 pub struct FlorenceDetector {
     model: Florence2,
@@ -46,8 +47,8 @@ impl FlorenceDetector {
     /// A detector.
     ///
     /// # Errors
-    /// [`PerceptionError::Task`] if the task is none, [`PerceptionError::Setting`] if a setting is out of range,
-    /// [`PerceptionError::Token`] if the vocabulary has no locations.
+    /// [`PerceptionError::Task`] if the task is unknown, [`PerceptionError::Setting`] if a setting
+    /// is out of range, [`PerceptionError::Token`] if the vocabulary has no locations.
     pub fn new(model: Florence2, config: FlorenceDetectorConfig) -> Result<Self, PerceptionError> {
         let task = Task::from_tag(&config.task)
             .ok_or_else(|| PerceptionError::Task { found: config.task.clone() })?;
@@ -63,7 +64,7 @@ impl FlorenceDetector {
         Ok(Self { model, config, prompt, first_location })
     }
 
-    /// The boxes that the model sees in a part of a picture, in pixels of that part, as it found them.
+    /// The boxes that the model writes for a part of a picture, in pixels of that part.
     ///
     /// # Errors
     /// When the picture has no pixels or a graph fails.
@@ -110,7 +111,7 @@ impl Detector for FlorenceDetector {
 }
 
 impl Grounder for FlorenceDetector {
-    /// Open-vocabulary detection of the sentence; what it means is taken for people.
+    /// Open-vocabulary detection of the sentence; all boxes count as people.
     fn ground(
         &self,
         image: &Image,
@@ -127,7 +128,7 @@ impl Grounder for FlorenceDetector {
     }
 }
 
-/// A proper box of a tile; the model may say inverted ones.
+/// A proper box of a tile; the model may write inverted ones.
 fn candidate(found: &DecodedBox, tile: Tile) -> Option<Candidate> {
     let [x0, y0, x1, y1] = found.corners;
     let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };

@@ -1,7 +1,8 @@
 //! Florence-2 (Xiao et al. 2024): a picture and a task in, words with locations out.
 //!
-//! The graphs are those of the community's ONNX exports, bound by tensor name: `vision_encoder`, `embed_tokens`, `encoder_model`,
-//! and `decoder_model` with `decoder_with_past_model`, or `decoder_model_merged` for both.
+//! The graphs are those of the community's ONNX exports, bound by tensor name: `vision_encoder`,
+//! `embed_tokens`, `encoder_model`, and `decoder_model` with `decoder_with_past_model`, or
+//! `decoder_model_merged` for both.
 
 mod answer;
 mod config;

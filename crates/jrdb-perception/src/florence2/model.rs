@@ -13,7 +13,7 @@ use crate::engine::{Engine, Tensor};
 use crate::generation::Tokens;
 use crate::generation::{DecodeConfig, Sequence, decode};
 
-/// What a Florence-2 is made of, opened by the caller.
+/// The parts of a Florence-2 model, opened by the caller.
 #[derive(Debug)]
 pub struct Florence2Parts {
     /// Sizes and rules.
@@ -24,13 +24,13 @@ pub struct Florence2Parts {
     pub vision_encoder: Box<dyn Engine>,
     /// `input_ids` to `inputs_embeds`.
     pub embed_tokens: Box<dyn Engine>,
-    /// Image and prompt to what the decoder attends to.
+    /// Image and prompt to the states that the decoder attends to.
     pub encoder: Box<dyn Engine>,
     /// Token by token.
     pub decoder: DecoderParts,
 }
 
-/// A model that answers tasks about pictures. May be asked from several threads at once.
+/// A model that answers tasks about pictures. Several threads may use it at once.
 pub struct Florence2 {
     config: Florence2Config,
     tokens: Tokens,
@@ -48,7 +48,7 @@ impl fmt::Debug for Florence2 {
     }
 }
 
-/// What the model said.
+/// The output of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reply {
     /// Its tokens with their probabilities.
@@ -170,7 +170,7 @@ impl Florence2 {
         task.grammar().read(&reply.text, size_px, &self.config.no_phrases)
     }
 
-    /// What the decoder attends to, f32 `[1, tokens, hidden]`, and its mask.
+    /// The states that the decoder attends to, f32 `[1, tokens, hidden]`, and their mask.
     ///
     /// # Errors
     /// When the graph fails.
@@ -195,7 +195,7 @@ impl Florence2 {
     }
 }
 
-/// The only output that was asked for.
+/// The only requested output.
 fn one(mut outputs: Vec<Tensor>) -> Result<Tensor, PerceptionError> {
     outputs.pop().ok_or_else(|| PerceptionError::Output {
         name: "the only output",

@@ -1,4 +1,4 @@
-//! What Florence-2 can be asked, and the sentence it was trained to be asked with.
+//! The tasks of Florence-2, and the prompt of each.
 
 use super::answer::Grammar;
 use super::location::Region;
@@ -12,17 +12,17 @@ pub enum Task {
     DenseRegionCaption,
     /// Boxes without names.
     RegionProposal,
-    /// What is called so: boxes, or polygons where the model prefers them.
+    /// The objects with this name: boxes, or polygons where the model prefers them.
     OpenVocabularyDetection(String),
     /// Boxes of the phrases in a sentence.
     PhraseGrounding(String),
-    /// The outline of what the words mean.
+    /// The outline of the object that the words refer to.
     ReferringSegmentation(String),
-    /// The name of what is in a region.
+    /// The category of a region.
     RegionToCategory(Region),
-    /// A description of what is in a region.
+    /// A description of a region.
     RegionToDescription(Region),
-    /// The outline of what is in a region.
+    /// The outline of the object in a region.
     RegionToSegmentation(Region),
     /// The writing in a region.
     RegionToOcr(Region),
@@ -39,7 +39,8 @@ pub enum Task {
 }
 
 impl Task {
-    /// The task called so in Florence-2's own notation, `<OD>` or `<OPEN_VOCABULARY_DETECTION>a red bag`.
+    /// The task with this tag in Florence-2's own notation, `<OD>` or `<OPEN_VOCABULARY_DETECTION>a
+    /// red bag`.
     #[must_use]
     pub fn from_tag(text: &str) -> Option<Self> {
         let (tag, input) = text.strip_prefix('<')?.split_once('>')?;

@@ -1,20 +1,21 @@
 //! Greedy and beam search: from a model's scores of the next token to a sequence.
 //!
-//! The rules and their order are those of Hugging Face transformers 4.57 (`generate` without sampling): no n-gram
-//! twice, then a forced first token, then a forced last one; a finished beam counts only if it is among the best `num_beams`
-//! candidates of its step.
+//! The rules and their order are those of Hugging Face transformers 4.57 (`generate` without
+//! sampling): no n-gram twice, then a forced first token, then a forced last one; a finished beam
+//! counts only if it is among the best `num_beams` candidates of its step.
 
 use serde::{Deserialize, Serialize};
 
 use super::log_sum_exp::{highest, log_sum_exp};
 
-/// How sequences are searched for: the fields of a `generation_config.json` that matter without sampling.
+/// How sequences are searched for: the fields of a `generation_config.json` that matter without
+/// sampling.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct DecodeConfig {
     /// Sequences that are followed at once; 1 is greedy search.
     pub num_beams: usize,
-    /// No run of so many tokens may come twice; 0 allows all.
+    /// No sequence of this many tokens may occur twice; 0 allows all.
     pub no_repeat_ngram_size: usize,
     /// The first token after the start.
     pub forced_bos_token_id: Option<u32>,
@@ -22,7 +23,8 @@ pub struct DecodeConfig {
     pub forced_eos_token_id: Option<u32>,
     /// Tokens that end a sequence.
     pub eos_token_id: EndTokens,
-    /// Whether beam search ends as soon as `num_beams` sequences have ended; else when no open one can become better.
+    /// Whether beam search ends as soon as `num_beams` sequences have ended; else when no open one
+    /// can become better.
     pub early_stopping: bool,
     /// Sums of log-probabilities are divided by the number of generated tokens to this power.
     pub length_penalty: f64,
@@ -31,8 +33,8 @@ pub struct DecodeConfig {
 }
 
 impl Default for DecodeConfig {
-    /// Greedy search without rules, up to 1025 tokens: what transformers does where a model's configuration says nothing, but
-    /// for the length, which is that of Florence-2's decoder.
+    /// Greedy search without rules, up to 1025 tokens: the defaults of transformers, except for the
+    /// length, which is that of Florence-2's decoder.
     fn default() -> Self {
         Self {
             num_beams: 1,
@@ -80,20 +82,21 @@ impl EndTokens {
 pub struct Sequence {
     /// The tokens, the start included.
     pub ids: Vec<u32>,
-    /// Natural logarithm of the probability of each token after the start, given those before it. Greedy search tells the
-    /// model's own; in beam search a forced token has 0.
+    /// Natural logarithm of the probability of each token after the start, given those before it.
+    /// Greedy search reports the model's own; in beam search a forced token has 0.
     pub log_probs: Vec<f64>,
     /// Sum of `log_probs` over the number of generated tokens to the power of the length penalty.
     pub score: f64,
 }
 
-/// A model's answer to one step: for each sequence a score of every token of the vocabulary, row by row.
+/// A model's answer to one step: for each sequence a score of every token of the vocabulary, row by
+/// row.
 pub type Logits = Vec<f32>;
 
 /// Searches for the most probable sequence after `start`.
 ///
-/// `step` is given the last token of each open sequence and, for each, its row in the step before; it answers with
-/// the scores of the next token, unnormalised, one row per sequence.
+/// `step` takes the last token of each open sequence and, for each, its row in the step before; it
+/// returns the scores of the next token, unnormalised, one row per sequence.
 ///
 /// # Errors
 /// Those of `step`.
@@ -219,7 +222,8 @@ fn is_done(ended: &[Sequence], open: &[Beam], config: &DecodeConfig) -> bool {
     ended.len() >= config.num_beams && (config.early_stopping || worst.score >= hope.score(config))
 }
 
-/// The best continuations of all sequences together, twice as many as there are beams, so that enough remain when some end.
+/// The best continuations of all sequences together, twice as many as there are beams, so that
+/// enough remain when some end.
 fn candidates(beams: &[Beam], scores: &[f32], config: &DecodeConfig) -> Vec<Candidate> {
     let wanted = 2 * config.num_beams;
     let vocabulary = scores.len() / beams.len();
@@ -266,7 +270,8 @@ fn forbid_repeats(scores: &mut [f32], ids: &[u32], size: usize) {
     }
 }
 
-/// The best token and its score; the first of equals; none if no score is a number above negative infinity.
+/// The best token and its score; the first of equals; none if no score is a number above negative
+/// infinity.
 fn best(scores: &[f32]) -> Option<(u32, f32)> {
     let highest = highest(scores);
     let is_some = highest > f32::NEG_INFINITY;

@@ -1,6 +1,7 @@
-//! What turns a model's scores into log-probabilities.
+//! The logarithm of a sum of exponentials, which converts scores to log-probabilities.
 
-/// Numbers that are added up side by side, so that vector registers can; the sum does not depend on their width.
+/// Numbers that are added up side by side, so that vector registers can; the sum does not depend on
+/// their width.
 const LANES: usize = 16;
 
 /// Natural logarithm of the sum of the exponentials of scores, within 1e-6. NaN counts as nothing.
@@ -27,7 +28,7 @@ pub(crate) fn log_sum_exp(scores: &[f32]) -> f64 {
     f64::from(highest) + total.ln()
 }
 
-/// The highest score; negative infinity if there is none. NaN counts as nothing.
+/// The highest score; negative infinity if there are no scores. NaN is ignored.
 pub(crate) fn highest(scores: &[f32]) -> f32 {
     let higher = |a: f32, b: f32| if b > a { b } else { a };
     let (whole, rest) = scores.as_chunks::<LANES>();
@@ -42,7 +43,8 @@ pub(crate) fn highest(scores: &[f32]) -> f32 {
 
 /// The exponential of a number that is not above 0, within 1e-7 of its size; 0 below -87.
 ///
-/// x = (n + r) ln 2 with a whole n and r in `[-1/2, 1/2]`; 2^r by its Taylor series, 2^n by its bits.
+/// x = (n + r) ln 2 with a whole n and r in `[-1/2, 1/2]`; 2^r by its Taylor series, 2^n by its
+/// bits.
 #[inline(always)]
 fn exp(x: f32) -> f32 {
     const LEAST: f32 = -87.0;

@@ -17,7 +17,7 @@ impl Tokens {
     /// Reads a `tokenizer.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::Tokens`] if it is none.
+    /// [`PerceptionError::Tokens`] if the text is not a tokenizer.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
         tokenizers::Tokenizer::from_bytes(text).map(Self).map_err(PerceptionError::Tokens)
     }

@@ -1,4 +1,4 @@
-//! Things in a panorama by asking for phrases, tile by tile.
+//! People and objects in a panorama, by phrases on each tile.
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
@@ -12,11 +12,11 @@ use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
 use crate::tiling::tiled::in_range;
 
-/// What is output for, and how.
+/// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GroundingDetectorConfig {
-    /// The phrases; what is found is called so. Words for people are all `person`.
+    /// The phrases, which are the categories of the boxes. Words for people become `person`.
     pub phrases: Vec<String>,
     /// How the panorama is cut into tiles.
     pub tiles: PanoramaConfig,
@@ -35,8 +35,8 @@ impl Default for GroundingDetectorConfig {
     }
 }
 
-/// Finds what phrases name in images of any size. Tiles run in parallel on the current rayon pool; the result does not depend on its number
-/// of threads.
+/// Detects the objects that phrases name in images of any size. Tiles run in parallel on the
+/// current rayon pool; the result does not depend on its number of threads.
 #[derive(Debug)]
 pub struct GroundingDetector {
     model: GroundingDino,
@@ -48,7 +48,8 @@ impl GroundingDetector {
     /// A detector.
     ///
     /// # Errors
-    /// [`PerceptionError::Setting`] if a setting is out of range or the phrases are too long together.
+    /// [`PerceptionError::Setting`] if a setting is out of range or the phrases are too long
+    /// together.
     pub fn new(
         model: GroundingDino,
         config: GroundingDetectorConfig,
@@ -60,7 +61,7 @@ impl GroundingDetector {
         Ok(Self { model, config, ids })
     }
 
-    /// What a tile shows of a prompt; `name` gives what a phrase's box is called.
+    /// The boxes of a prompt in a tile; `name` returns the category of a phrase.
     fn look_at_tile(
         &self,
         image: &Image,
@@ -99,7 +100,7 @@ impl Detector for GroundingDetector {
 }
 
 impl Grounder for GroundingDetector {
-    /// The sentence is one phrase; what it means is taken for people.
+    /// The sentence is one phrase; all boxes count as people.
     fn ground(
         &self,
         image: &Image,

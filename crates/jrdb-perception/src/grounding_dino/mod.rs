@@ -1,5 +1,5 @@
-//! Grounding DINO and its kin, MM-Grounding-DINO and LLMDet (Liu et al. 2023, Zhao et al. 2024, Fu et al. 2025): boxes for phrases, or for a whole
-//! sentence.
+//! Grounding DINO, MM-Grounding-DINO and LLMDet: boxes for phrases, or for a whole sentence (Liu et
+//! al. 2023, Zhao et al. 2024, Fu et al. 2025).
 
 mod detector;
 mod model;

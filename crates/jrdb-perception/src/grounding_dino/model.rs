@@ -14,14 +14,15 @@ use crate::generation::Tokens;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GroundingConfig {
-    /// Least confidence of a box. Default 0.4, as transformers' example for MM-Grounding-DINO has it.
+    /// Least confidence of a box. Default 0.4, as transformers' example for MM-Grounding-DINO has
+    /// it.
     pub threshold: f64,
     /// Least confidence of a token to be part of a box's label. Default 0.3, from the same place.
     pub text_threshold: f64,
 }
 
 impl Default for GroundingConfig {
-    /// Where each number comes from is said at the field.
+    /// Each field documents the source of its number.
     fn default() -> Self {
         Self { threshold: 0.4, text_threshold: 0.3 }
     }
@@ -34,13 +35,15 @@ pub struct Grounded {
     pub corners: [f64; 4],
     /// Confidence in `[0, 1]`: the greatest of its tokens'.
     pub score: f64,
-    /// The tokens above the threshold as text, as the reference gives them; may hold marks and strays.
+    /// The tokens above the threshold as text, as in the reference; may contain special and
+    /// unrelated tokens.
     pub tokens: String,
-    /// Which phrase of the prompt is meant: the one whose tokens have the greatest confidence together.
+    /// Index of the phrase whose tokens have the greatest total confidence.
     pub phrase: usize,
 }
 
-/// What the model said: for each query the scores of the prompt's tokens, unnormalised, and a box.
+/// The output of the model: for each query the unnormalised scores of the prompt's tokens, and a
+/// box.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GroundingOutput {
     /// f32 `[queries, columns]`.
@@ -51,7 +54,7 @@ pub struct GroundingOutput {
     pub boxes: Vec<[f32; 4]>,
 }
 
-/// A model that finds what is written. May be asked from several threads at once.
+/// A model that locates phrases. Several threads may use it at once.
 pub struct GroundingDino {
     engine: Box<dyn Engine>,
     tokens: Tokens,
@@ -92,7 +95,8 @@ impl GroundingDino {
     /// The ids of a prompt, which may be a sentence.
     ///
     /// # Errors
-    /// [`PerceptionError::Tokens`] if it cannot be spelled, [`PerceptionError::Setting`] if it is too long.
+    /// [`PerceptionError::Tokens`] if it cannot be spelled, [`PerceptionError::Setting`] if it is
+    /// too long.
     pub fn spell(&self, prompt: &str) -> Result<Vec<u32>, PerceptionError> {
         let ids = self.tokens.encode_input(&prompt.to_lowercase())?;
         if ids.len() > TOKENS_MAX {
@@ -139,7 +143,7 @@ impl GroundingDino {
         }
     }
 
-    /// The boxes of a look that are confident enough, in the model's order.
+    /// The boxes above the threshold, in the model's order.
     ///
     /// # Errors
     /// When the tokens of a label cannot be read.
@@ -167,7 +171,8 @@ impl GroundingDino {
         Ok(found)
     }
 
-    /// Which phrase each token of a prompt belongs to; none for the marks around and the stops between.
+    /// Which phrase each token of a prompt belongs to; none for the marks around and the stops
+    /// between.
     ///
     /// # Errors
     /// When the vocabulary has no stops.
@@ -191,7 +196,7 @@ impl GroundingDino {
     }
 }
 
-/// The phrase whose tokens are together the most confident; the first of equals.
+/// The phrase whose tokens have the greatest total confidence; the first of equals.
 fn phrase(sure: &[f64], phrases: &[Option<usize>]) -> usize {
     let count = phrases.iter().flatten().max().map_or(0, |last| last + 1);
     let mut sums = vec![0.0; count];

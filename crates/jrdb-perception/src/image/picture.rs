@@ -1,4 +1,4 @@
-//! Pictures as models want them: resized as Pillow does, normalised, channel by channel.
+//! Preprocessing of pictures: resized as by Pillow, normalised, channel by channel.
 
 use jrdb_types::Image;
 use serde::{Deserialize, Serialize};
@@ -50,7 +50,8 @@ impl PictureConfig {
     /// Reads the text of a `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out of range.
+    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out
+    /// of range.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
         let config: Self = parse_json("preprocessor_config.json", text)?;
         config.check()?;

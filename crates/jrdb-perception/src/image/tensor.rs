@@ -1,6 +1,7 @@
 //! Pixels as the numbers that models take.
 
-/// Mean and standard deviation of each channel, of values in `[0, 1]`: what is taken off, and what is divided by.
+/// Mean and standard deviation of each channel, of values in `[0, 1]`: the subtrahend and the
+/// divisor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Normalise {
     /// Of red, green and blue.
@@ -22,8 +23,9 @@ impl Normalise {
     /// ImageNet's, which most models of pictures are trained with.
     pub const IMAGENET: Self = Self { mean: [0.485, 0.456, 0.406], std: [0.229, 0.224, 0.225] };
 
-    /// The number of a value of a channel, 0 for red: `(value / 255 - mean) / std`, each step rounded to 32 bits, as the
-    /// image processors of Python's transformers that work on arrays compute it.
+    /// The number of a value of a channel, 0 for red: `(value / 255 - mean) / std`, each step
+    /// rounded to 32 bits, as the image processors of Python's transformers that work on arrays
+    /// compute it.
     ///
     /// # Panics
     /// When there is no such channel.

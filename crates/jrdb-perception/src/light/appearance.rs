@@ -1,4 +1,4 @@
-//! What a person looks like: posture, clothes, which way the face looks, and, only if asked for, gender and age.
+//! Appearance of a person: posture, clothes, facing, and, only on request, gender and age.
 
 use std::fmt;
 
@@ -24,23 +24,24 @@ pub struct AppearanceConfig {
     pub wraps: bool,
     /// Least confidence of a face, in `[0, 1]`. Default 1/2: more probably a face than not.
     pub min_face_score: f64,
-    /// Least longer side of a face that is described, pixels. Default 25: on smaller ones gender and landmarks are guesswork.
+    /// Least longer side of a face that is described, pixels. Default 25: on smaller ones gender
+    /// and landmarks are guesswork.
     pub min_face_px: f64,
     /// A gender or age group less probable than this is unknown, in `[0, 1]`. Default 0.7.
     pub min_probability: f64,
 }
 
 impl Default for AppearanceConfig {
-    /// For panoramas of 360°; where each number comes from is said at the field.
+    /// For panoramas of 360°. Each field documents the source of its number.
     fn default() -> Self {
         Self { wraps: true, min_face_score: 0.5, min_face_px: 25.0, min_probability: 0.7 }
     }
 }
 
-/// The models that look at faces. Gender and age are guessed only by who is given a model for it.
+/// The models for faces. Gender and age are estimated only if their models are present.
 #[derive(Debug, Default)]
 pub struct FaceModels {
-    /// Finds faces; without, nothing is said that needs one.
+    /// Detects faces; without it, no attribute of a face is estimated.
     pub finder: Option<FaceFinder>,
     /// Guesses gender.
     pub gender: Option<FaceReader>,
@@ -65,8 +66,8 @@ impl fmt::Debug for Appearance {
 const MIDDLE: (f64, f64) = (0.3, 0.7);
 const UPPER: (f64, f64) = (0.22, 0.45);
 const LOWER: (f64, f64) = (0.58, 0.82);
-/// The upper body, in which a face is looked for: this much above the box and to its sides, and this much of its height, at most so many
-/// widths.
+/// The upper body, in which faces are detected: margins above and beside the box, and its part of
+/// the height, at most this many widths.
 const HEADROOM: f64 = 0.05;
 const ELBOWROOM: f64 = 0.1;
 const UPPER_BODY: f64 = 0.55;
@@ -75,7 +76,7 @@ const UPPER_BODY_WIDTHS: f64 = 1.5;
 const FACES_WIDE: f64 = 1.5;
 
 impl Appearance {
-    /// With these models; what has none is unknown.
+    /// With these models; attributes without a model stay unknown.
     #[must_use]
     pub fn new(faces: FaceModels, config: AppearanceConfig) -> Self {
         Self { faces, config }
@@ -107,7 +108,8 @@ impl Appearance {
             .unwrap_or_default()
     }
 
-    /// The most confident face of the upper body that is large enough, with the picture that it is in.
+    /// The most confident face of the upper body that is large enough, with the picture that it is
+    /// in.
     fn face(
         &self,
         image: &Image,
@@ -131,7 +133,7 @@ impl Appearance {
         Ok(found.map(|face| (picture, face)))
     }
 
-    /// What a face tells.
+    /// The attributes of a face.
     fn read(
         &self,
         attributes: &mut Attributes,

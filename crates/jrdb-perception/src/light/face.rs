@@ -1,4 +1,5 @@
-//! Faces by CenterFace (Xu et al. 2020) on 480 x 480 pixels, with eyes, nose and corners of the mouth.
+//! Faces by CenterFace (Xu et al. 2020) on 480 x 480 pixels, with eyes, nose and corners of the
+//! mouth.
 
 use std::fmt;
 
@@ -15,8 +16,8 @@ const SIDE: usize = 480;
 const STRIDE: usize = 4;
 const CELLS: usize = SIDE / STRIDE;
 const PLANE: usize = CELLS * CELLS;
-/// Names of the tensors: input f32 `[1, 3, 480, 480]`; probability, size (height, width), shift (down, right) and five
-/// landmarks (down, right each), f32 `[1, 1 | 2 | 2 | 10, 120, 120]`.
+/// Names of the tensors: input f32 `[1, 3, 480, 480]`; probability, size (height, width), shift
+/// (down, right) and five landmarks (down, right each), f32 `[1, 1 | 2 | 2 | 10, 120, 120]`.
 const INPUT: &str = "input.1";
 const OUTPUTS: [(&str, usize); 4] = [("537", 1), ("538", 2), ("539", 2), ("540", 10)];
 /// Faces that overlap by more are one.
@@ -29,8 +30,8 @@ pub struct Face {
     pub bbox: PixelBox,
     /// Confidence in `[0, 1]`.
     pub score: f64,
-    /// Right and left eye, tip of the nose, right and left corner of the mouth, as seen from the face itself, so that the right eye
-    /// of who looks at us is on our left; pixels of the picture.
+    /// Right and left eye, tip of the nose, right and left corner of the mouth, as seen from the
+    /// face itself, so that the right eye of who looks at us is on our left; pixels of the picture.
     pub landmarks: [[f64; 2]; 5],
 }
 
@@ -82,7 +83,7 @@ struct Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// The face that a cell tells of, in pixels of a picture that was scaled by `scale`.
+    /// The face that a cell encodes, in pixels of a picture that was scaled by `scale`.
     fn face(&self, cell: usize, scale: f64) -> Face {
         let at = |map: &[f32], plane: usize| f64::from(map[plane * PLANE + cell]);
         let stride = STRIDE as f64;
@@ -107,7 +108,8 @@ fn distinct(faces: &[Face]) -> Vec<Face> {
     nms(&boxes, NMS_IOU, None).into_iter().filter_map(find).collect()
 }
 
-/// The picture scaled into the upper left corner, the rest black: planes of red, green and blue, 0 to 255.
+/// The picture scaled into the upper left corner, the rest black: planes of red, green and blue, 0
+/// to 255.
 fn input(picture: &Image, scale: f64) -> Tensor {
     let scaled = |length: usize| ((length as f64 * scale).round() as usize).clamp(1, SIDE);
     let (width, height) = (scaled(picture.width), scaled(picture.height));
@@ -140,7 +142,8 @@ mod tests {
     use super::*;
     use crate::fixed::Fixed;
 
-    /// Sees a face of 40 x 40 pixels of its input, centred on cell (10, 20), all landmarks in its middle.
+    /// Sees a face of 40 x 40 pixels of its input, centred on cell (10, 20), all landmarks in its
+    /// middle.
     fn finder() -> FaceFinder {
         let values = [0.0, 10.0_f32.ln(), 0.0, 0.5];
         let tensor = |(index, (_, count)): (usize, &(&str, usize))| {

@@ -17,7 +17,8 @@ const BOTH_EYES_MIN: f64 = 0.25;
 /// How a face is turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Turn {
-    /// How far right of the middle of the eyes the nose lies in the picture, in distances between the eyes.
+    /// How far right of the middle of the eyes the nose lies in the picture, in distances between
+    /// the eyes.
     pub(crate) shift: f64,
     /// Distance of the eyes in widths of the face.
     pub(crate) eyes: f64,
@@ -38,8 +39,8 @@ impl Turn {
     }
 }
 
-/// Belief about which way a person's front points. A head turns more than a body does, so that neighbouring
-/// directions are possible, too. Nothing where the landmarks contradict each other.
+/// Belief about which way a person's front points. A head turns more than a body does, so that
+/// neighbouring directions are possible, too. Nothing where the landmarks contradict each other.
 pub(crate) fn facing(turn: Turn) -> Belief<Facing> {
     let is_left = turn.shift < 0.0;
     let side = |left: Facing, right: Facing| if is_left { left } else { right };

@@ -1,4 +1,4 @@
-//! Two detectors as one: the first finds people, the second adds objects and a second opinion on the people.
+//! Two detectors combined: the first detects people, the second adds objects and confirms people.
 
 use std::collections::BTreeMap;
 
@@ -10,30 +10,32 @@ use crate::detector::{Detector, PerceptionError};
 use crate::tiling::tiled::{numbered, unit};
 use crate::tiling::{ScoredBox, nms};
 
-/// How two detectors' findings become one.
+/// How the detections of two detectors are combined.
 ///
-/// Both detectors should be told to give everything from a confidence of about 0.05: agreement of two weak
-/// opinions counts.
+/// Both detectors should return all boxes with a confidence of at least about 0.05, because two
+/// weak detections that agree count.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PairConfig {
-    /// How far the second detector is believed on people, in `[0, 1]`. With confidences a and b of the two (0 where one sees nobody) a
-    /// person's is `1 - (1 - a)·(1 - trust·b)`.
+    /// Weight of the second detector on people, in `[0, 1]`. With confidences a and b of the two (0
+    /// without a detection), the confidence of a person is `1 - (1 - a)·(1 - trust·b)`.
     ///
-    /// Default 1/2: what the second alone sees is never more probable than not. On a labelled frame of JRDB, turned by nine
-    /// angles, AP50 of SSDLite is 0.54 to 0.58 (mean 0.560), of both 0.56 to 0.60 (mean 0.583); from 0.3 to 0.7 the mean
-    /// changes by less than 0.01.
+    /// Default 1/2: a person that only the second detects has a confidence of at most 1/2. On a
+    /// labelled frame of JRDB, turned by nine angles, AP50 of SSDLite is 0.54 to 0.58 (mean 0.560),
+    /// of both 0.56 to 0.60 (mean 0.583); from 0.3 to 0.7 the mean changes by less than 0.01.
     pub second_trust: f64,
-    /// Boxes of the two detectors that overlap by at least this IoU are the same person, in `[0, 1]`. Default 1/2.
+    /// Boxes of the two detectors that overlap by at least this IoU are the same person, in `[0,
+    /// 1]`. Default 1/2.
     pub same_iou: f64,
     /// Least confidence of a person, in `[0, 1]`. Default 1/2: more probably there than not.
     pub min_score: f64,
-    /// Least confidence of an object, which only the second detector sees, in `[0, 1]`. Default 0.4, by eye on that frame.
+    /// Least confidence of an object, which only the second detects, in `[0, 1]`. Default 0.4, by
+    /// eye on that frame.
     pub min_object_score: f64,
 }
 
 impl Default for PairConfig {
-    /// For SSDLite and NanoDet; where each number comes from is said at the field.
+    /// For SSDLite and NanoDet. Each field documents the source of its number.
     fn default() -> Self {
         Self { second_trust: 0.5, same_iou: 0.5, min_score: 0.5, min_object_score: 0.4 }
     }
@@ -48,7 +50,7 @@ impl PairConfig {
     }
 }
 
-/// A detector of people with another of people and objects beside it.
+/// A detector of people, combined with a detector of people and objects.
 #[derive(Debug)]
 pub struct PairDetector<A, B> {
     first: A,
@@ -104,7 +106,8 @@ fn objects(detections: Vec<Detection>, min_score: f64) -> Vec<Detection> {
     of_category.into_iter().flat_map(|(category, boxes)| numbered(&category, boxes)).collect()
 }
 
-/// People by both detectors. Where both see somebody, the first one's box stays, since it is the better one.
+/// People of both detectors. If both detect a person, the box of the first, which is more exact, is
+/// kept.
 fn agree(
     first: &[ScoredBox],
     second: &[ScoredBox],
@@ -133,7 +136,7 @@ mod tests {
     use super::*;
     use jrdb_types::{ImageGeometry, PixelBox};
 
-    /// A detector that has made up its mind.
+    /// A detector with fixed results.
     struct Sees(Vec<(&'static str, f64, f64)>);
 
     impl Detector for Sees {

@@ -1,19 +1,23 @@
-//! What a person does, as far as the shape of the box tells: upright or not.
+//! Posture from the shape of the box: upright or not.
 
 use std::collections::BTreeMap;
 
 use jrdb_types::vocab::Action;
 use jrdb_types::{Belief, PixelBox};
 
-/// From this height over width on somebody is upright: on a labelled frame of JRDB those who stand have 2.0 to 3.3.
+/// From this ratio of height to width a person is upright: on a labelled frame of JRDB, standing
+/// people have 2.0 to 3.3.
 pub(crate) const UPRIGHT_MIN_RATIO: f64 = 2.4;
-/// Up to this height over width somebody is not upright, or only the upper half is seen: those who sit have 1.3 to 1.9.
+/// Up to this ratio of height to width a person is not upright, or only the upper half is visible:
+/// seated people have 1.3 to 1.9.
 pub(crate) const SEATED_MAX_RATIO: f64 = 1.7;
 /// A box this near to the upper or lower border of the image is cut by it, pixels.
 const BORDER_PX: f64 = 2.0;
 
-/// Belief about an action from the shape of a box in an image of this height, pixels. A picture does not tell standing from
-/// walking, nor sitting from being hidden below the waist: the probabilities say so. Nothing between the two ratios, and for a box that the image cuts.
+/// Belief about an action from the shape of a box in an image of this height, pixels. A single
+/// picture does not separate standing from walking, nor sitting from occlusion below the waist; the
+/// probabilities reflect this. Unknown between the two ratios, and for a box that the border of the
+/// image cuts.
 pub(crate) fn posture(bbox: &PixelBox, image_height_px: f64) -> Belief<Action> {
     let is_cut = bbox.y < BORDER_PX || bbox.y + bbox.h > image_height_px - BORDER_PX;
     match bbox.h / bbox.w {

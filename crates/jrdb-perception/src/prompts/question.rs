@@ -1,10 +1,10 @@
-//! What is asked about a person, and the words that may be answered.
+//! Questions about a person, and the accepted answers.
 
 use jrdb_types::vocab::{Action, Age, Facing, Gender, Race};
 use jrdb_types::{Attributes, Belief};
 use serde::{Deserialize, Serialize};
 
-/// An attribute that can be asked for.
+/// An attribute that a question asks for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Topic {
@@ -14,17 +14,18 @@ pub enum Topic {
     Age,
     /// The benchmark's race words, as they look.
     Race,
-    /// What the body does.
+    /// The action of the body.
     Action,
     /// Which way the front points in the picture.
     Facing,
 }
 
 impl Topic {
-    /// All of them, in the order in which they are asked.
+    /// All topics, in the order of the questions.
     pub const ALL: [Self; 5] = [Self::Gender, Self::Age, Self::Race, Self::Action, Self::Facing];
 
-    /// Whether it is about who somebody is and not about what they do: asked only of models and by users that mean it.
+    /// Whether the attribute describes the identity of a person rather than an action. Such
+    /// questions are asked only on request.
     #[must_use]
     pub fn is_demographic(self) -> bool {
         matches!(self, Self::Gender | Self::Age | Self::Race)
@@ -34,11 +35,12 @@ impl Topic {
 /// A question with a closed list of answers.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Question {
-    /// What it is about.
+    /// The attribute.
     pub topic: Topic,
     /// The question, and the words from which to answer.
     pub text: String,
-    /// For each word of the vocabulary, in its order, the ways to spell it. The first is the one in the question.
+    /// For each word of the vocabulary, in its order, the ways to spell it. The first is the one in
+    /// the question.
     pub labels: Vec<Vec<String>>,
 }
 
@@ -105,7 +107,8 @@ fn spellings(topic: Topic) -> &'static [&'static [&'static str]] {
     }
 }
 
-/// Puts what is believed about a topic into a person's attributes. `probabilities` are in the order of the vocabulary.
+/// Writes probabilities on a topic into the attributes of a person. `probabilities` are in the
+/// order of the vocabulary.
 pub(crate) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f64]) {
     match topic {
         Topic::Gender => attributes.set_gender(belief(Gender::ALL, probabilities)),
@@ -116,7 +119,7 @@ pub(crate) fn put(attributes: &mut Attributes, topic: Topic, probabilities: &[f6
     }
 }
 
-/// What is believed about a topic, in the order of its vocabulary.
+/// The probabilities on a topic, in the order of its vocabulary.
 pub(crate) fn believed(attributes: &Attributes, topic: Topic) -> Vec<f64> {
     match topic {
         Topic::Gender => of(Gender::ALL, &attributes.gender()),
@@ -131,7 +134,8 @@ fn of<T: Ord + Copy>(all: &[T], belief: &Belief<T>) -> Vec<f64> {
     all.iter().map(|value| belief.probability(*value)).collect()
 }
 
-/// Beliefs are told to this many parts of one, so that the rounding of different engines does not show.
+/// Probabilities are rounded to this many parts of one, so that engines with different rounding
+/// agree.
 const PARTS: f64 = 1e4;
 
 fn belief<T: Ord + Copy>(all: &[T], probabilities: &[f64]) -> Belief<T> {

@@ -1,6 +1,7 @@
 //! Free answers to the words of a vocabulary.
 
-/// The entry of a vocabulary that an answer names: the longest spelling that stands in it as whole words, the first of equals.
+/// The entry of a vocabulary that an answer names: the longest spelling that occurs in it as whole
+/// words, the first of equals.
 ///
 /// ```
 /// use jrdb_perception::prompts::label_in;
@@ -21,7 +22,8 @@ pub fn label_in(answer: &str, labels: &[Vec<String>]) -> Option<usize> {
     found.max_by_key(|(length, index)| (*length, usize::MAX - index)).map(|(_, index)| index)
 }
 
-/// Lower-case words with a space on both sides of each; everything but letters and digits parts words.
+/// Lower-case words with a space on both sides of each; everything but letters and digits parts
+/// words.
 fn plain(text: &str) -> String {
     let words = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
     let lower: Vec<String> = words.map(str::to_lowercase).collect();

@@ -1,4 +1,5 @@
-//! What overlapping tiles show, made one: for detectors whose confidences are too alike to decide by them alone.
+//! Merges the boxes of overlapping tiles, for detectors whose confidences do not separate
+//! duplicates.
 
 use jrdb_types::{ImageGeometry, PixelBox};
 use serde::{Deserialize, Serialize};
@@ -7,24 +8,25 @@ use super::tiles::Tile;
 use crate::detector::PerceptionError;
 use crate::numbered::CategoryBox;
 
-/// When boxes of different tiles are the same thing.
+/// When boxes of different tiles show the same object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MergeConfig {
-    /// Least confidence of a box, in `[0, 1]`. Default 0: what the model says, it means.
+    /// Least confidence of a box, in `[0, 1]`. Default 0: all boxes of the model count.
     pub min_score: f64,
     /// A box this near to a border between tiles may be cut by it, pixels. Default 2.
     pub border_px: f64,
-    /// A cut box is dropped if another tile has an uncut one that covers this part of the smaller of both. Default 0.6.
+    /// A cut box is dropped if another tile has an uncut one that covers this part of the smaller
+    /// of both. Default 0.6.
     pub cut_cover: f64,
-    /// Boxes that overlap by more than this IoU are one thing, in `[0, 1]`. Default 0.55.
+    /// Boxes that overlap by more than this IoU show the same object, in `[0, 1]`. Default 0.55.
     pub same_iou: f64,
     /// And those of which one covers more than this part of the smaller, in `[0, 1]`. Default 0.8.
     pub same_cover: f64,
 }
 
 impl Default for MergeConfig {
-    /// Where each number comes from is said at the field.
+    /// Each field documents the source of its number.
     fn default() -> Self {
         Self { min_score: 0.0, border_px: 2.0, cut_cover: 0.6, same_iou: 0.55, same_cover: 0.8 }
     }
@@ -60,7 +62,7 @@ pub struct Candidate {
     pub tile: Tile,
     /// Confidence in `[0, 1]`.
     pub score: f64,
-    /// What it shows. Only boxes of one category are the same thing.
+    /// Its category. Only boxes of one category are merged.
     pub category: String,
 }
 
@@ -73,10 +75,11 @@ struct Placed<'a> {
     off_px: f64,
 }
 
-/// The things that the tiles show, each once: where, how sure, and what.
+/// The objects that the tiles show, each once.
 ///
-/// A box that a border cuts gives way to an uncut one of another tile. Of boxes that are the same thing that one is kept which lies
-/// nearest to the middle of its tile, where the model sees all around it; of equally near ones the more certain.
+/// An uncut box replaces a box that a border of its tile cuts. Of several boxes of the same object,
+/// the one nearest to the middle of its tile is kept, because the model sees its surroundings; of
+/// equally near boxes, the most confident.
 #[must_use]
 pub fn merge(
     candidates: &[Candidate],
@@ -146,7 +149,7 @@ mod tests {
 
     const IMAGE: ImageGeometry = ImageGeometry { width_px: 1000, height_px: 100, wraps: true };
 
-    /// What a perfect detector says of things in the image: in every tile the visible part of each.
+    /// The output of a perfect detector: in every tile the visible part of each object.
     fn seen(things: &[PixelBox], tiles: &[Tile]) -> Vec<Candidate> {
         let in_tile = |thing: &PixelBox, tile: &Tile| {
             let start = (thing.x - f64::from(tile.x_px)).rem_euclid(1000.0);

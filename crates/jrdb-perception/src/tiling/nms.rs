@@ -1,4 +1,4 @@
-//! Non-maximum suppression on the circle: of boxes that show the same thing, keep the best.
+//! Non-maximum suppression on the circle: of boxes that show the same object, the best is kept.
 
 use jrdb_types::PixelBox;
 
@@ -13,9 +13,9 @@ pub struct ScoredBox {
 
 /// Keeps the best of every group of boxes that overlap by more than `max_iou`; best first.
 ///
-/// IoU is taken on the circle when a period (pixels) is given, else on the plane. Scores that differ by
-/// less than about 1e-4 count as equal and the larger box wins, so that the rounding of different
-/// engines does not decide: confident scores crowd together just below 1.
+/// IoU is taken on the circle when a period (pixels) is given, else on the plane. Scores that
+/// differ by less than about 1e-4 count as equal and the larger box wins, so that the rounding of
+/// different engines does not decide: confident scores crowd together just below 1.
 ///
 /// ```
 /// use jrdb_perception::tiling::{ScoredBox, nms};

@@ -1,4 +1,4 @@
-//! A model that is asked about pictures, run over a whole panorama: tiles out, boxes back, what several tiles show made one.
+//! Runs a model on the tiles of a panorama and merges their boxes.
 
 use jrdb_types::{Detections, FrameId, Image, ImageGeometry};
 use rayon::prelude::*;
@@ -10,25 +10,28 @@ use super::tiles::{Tile, tiles};
 use crate::detector::{PerceptionError, check_image};
 use crate::numbered::numbered;
 
-/// How a panorama is cut into tiles, and how what they show becomes one.
+/// How a panorama is cut into tiles, and how their boxes are merged.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PanoramaConfig {
     /// Whether the image is a panorama whose last column borders on the first.
     pub wraps: bool,
-    /// Width of a tile as a part of the image's height; in `(0, 100]`, 0 for the whole image as one.
+    /// Width of a tile as a part of the image's height; in `(0, 100]`, 0 for the whole image as
+    /// one.
     ///
-    /// Default 4/3: one of Florence-2's location bins is then 0.64 pixels of JRDB's panorama, where the whole image in one piece has 3.8; a model that
-    /// makes its input fit 1333 pixels would show somebody of 100 pixels at 35.
+    /// Default 4/3: one of Florence-2's location bins is then 0.64 pixels of JRDB's panorama, where
+    /// the whole image in one piece has 3.8; a model that makes its input fit 1333 pixels would
+    /// show a person of 100 pixels at 35.
     pub tile_aspect: f64,
-    /// Part of its width that a tile shares with the next at least; in `[0, 0.95]`. Default 0.41: ten tiles of 640 pixels.
+    /// Part of its width that a tile shares with the next at least; in `[0, 0.95]`. Default 0.41:
+    /// ten tiles of 640 pixels.
     pub tile_overlap: f64,
-    /// When boxes of different tiles are the same thing.
+    /// When boxes of different tiles show the same object.
     pub merge: MergeConfig,
 }
 
 impl Default for PanoramaConfig {
-    /// Where each number comes from is said at the field.
+    /// Each field documents the source of its number.
     fn default() -> Self {
         let (tile_aspect, tile_overlap) = (4.0 / 3.0, 0.41);
         Self { wraps: true, tile_aspect, tile_overlap, merge: MergeConfig::default() }
@@ -63,8 +66,8 @@ impl PanoramaConfig {
     /// threads.
     ///
     /// # Errors
-    /// [`PerceptionError::Image`] if the image has no pixels, [`PerceptionError::Setting`] if a number
-    /// is out of its range, else the first error of `look`.
+    /// [`PerceptionError::Image`] if the image has no pixels, [`PerceptionError::Setting`] if a
+    /// number is out of its range, else the first error of `look`.
     pub fn detect(
         &self,
         image: &Image,

@@ -1,5 +1,5 @@
-//! A detector that sees squares, run over a whole panorama: tiles out, boxes back, suppression inside tiles and
-//! between them.
+//! Runs a detector with a square input on the tiles of a panorama, with suppression inside and
+//! between tiles.
 
 use jrdb_types::{Detection, Image, ImageGeometry, PixelBox};
 use rayon::prelude::*;
@@ -10,8 +10,8 @@ use crate::detector::{PerceptionError, check_image};
 use crate::image::{Filter, resize};
 use crate::numbered::CategoryBox;
 
-/// How a panorama is cut into tiles, and what becomes of the boxes found in them. What each number means says
-/// [`crate::SsdLiteConfig`].
+/// How a panorama is cut into tiles, and how their boxes are filtered. [`crate::SsdLiteConfig`]
+/// documents each number.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Tiling<'a> {
     pub(crate) wraps: bool,
@@ -21,7 +21,7 @@ pub(crate) struct Tiling<'a> {
     pub(crate) nms_iou: f64,
 }
 
-/// Something found, of a class that the model numbers.
+/// A box with the number of its class.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ClassBox {
     pub(crate) class: usize,
@@ -51,8 +51,9 @@ impl Tiling<'_> {
         ImageGeometry { width_px, height_px, wraps: self.wraps }
     }
 
-    /// Shows every tile, squeezed into a square of `side` pixels, to `look`, which gives boxes in pixels of a
-    /// tile of the size told; the best of every thing of each class, in pixels of the image, by class, best first.
+    /// Resizes every tile to a square of `side` pixels and passes it to `look`, which returns boxes
+    /// in pixels of a tile of the given size. Returns the best box of every object in pixels of the
+    /// image, by class, best first.
     ///
     /// Tiles run in parallel; the result does not depend on the number of threads.
     pub(crate) fn detect(
@@ -82,9 +83,9 @@ impl Tiling<'_> {
         Ok(best(&candidates, self.nms_iou, geometry.period_px()))
     }
 
-    /// What of a tile's boxes goes on to the whole image. Each tile first settles on its own things, as models
-    /// are trained to be used: a box that only repeats one of them must not outlive it when another tile shows
-    /// that thing better.
+    /// The boxes of a tile that are kept, in pixels of the image. Suppression runs inside each tile
+    /// first, as in training: a duplicate must not survive its original when another tile shows the
+    /// object better.
     fn settle(
         &self,
         mut found: Vec<ClassBox>,
@@ -130,7 +131,7 @@ pub(crate) fn unit(setting: &'static str, found: f64) -> Result<(), PerceptionEr
     in_range(setting, "in [0, 1]", found, (0.0..=1.0).contains(&found))
 }
 
-/// Things of one category as detections, numbered from left to right, then from top to bottom.
+/// Boxes of one category as detections, numbered from left to right, then from top to bottom.
 pub(crate) fn numbered(category: &str, boxes: Vec<ScoredBox>) -> Vec<Detection> {
     let named = |found: ScoredBox| CategoryBox {
         bbox: found.bbox,

@@ -15,9 +15,9 @@ pub struct Tile {
 
 /// Tiles of one width that cover the image, from left to right.
 ///
-/// Neighbours share at least the part `overlap` in `[0, 1)` of their width. In a wrapping image of `W`
-/// columns everything up to `overlap · width - 1` pixels wide therefore lies whole in some tile, wherever
-/// it is; without wrapping the first and last tile end at the image's borders.
+/// Neighbours share at least the part `overlap` in `[0, 1)` of their width. In a wrapping image of
+/// `W` columns everything up to `overlap · width - 1` pixels wide therefore lies whole in some
+/// tile, wherever it is; without wrapping the first and last tile end at the image's borders.
 ///
 /// ```
 /// use jrdb_perception::tiling::tiles;
@@ -30,7 +30,8 @@ pub struct Tile {
 pub fn tiles(image: ImageGeometry, width_px: u32, overlap: f64) -> Vec<Tile> {
     let width_px = width_px.clamp(1, image.width_px.max(1));
     let stride = (f64::from(width_px) * (1.0 - overlap)).max(1.0);
-    // On a circle as many tiles as steps; on a strip one more, since the last one ends at the border.
+    // On a circle as many tiles as steps; on a strip one more, since the last one ends at the
+    // border.
     let (span_px, fewest, closing) = match image.wraps {
         true => (image.width_px, 1, 0),
         false => (image.width_px.saturating_sub(width_px), 0, 1),
@@ -51,7 +52,8 @@ impl Tile {
     /// The tile's picture.
     ///
     /// # Panics
-    /// When the tile was not made for an image of this size, or the image has fewer bytes than its size says.
+    /// When the tile was made for an image of another size, or the image has fewer bytes than its
+    /// size requires.
     #[must_use]
     pub fn crop(&self, image: &Image) -> Image {
         let (x, width) = (self.x_px as usize, self.width_px as usize);
@@ -64,8 +66,8 @@ impl Tile {
         Image { width, height: image.height, rgb }
     }
 
-    /// Whether a box, in pixels of the tile, comes closer than `margin_px` to a border behind which the
-    /// image goes on: it may be the part of something that a neighbouring tile shows whole.
+    /// Whether a box, in pixels of the tile, comes closer than `margin_px` to a border behind which
+    /// the image goes on: it may be the part of something that a neighbouring tile shows whole.
     #[must_use]
     pub fn cuts(&self, bbox: &PixelBox, margin_px: f64, image: ImageGeometry) -> bool {
         let goes_on_left = image.wraps || self.x_px > 0;
@@ -91,7 +93,7 @@ mod tests {
         ImageGeometry { width_px, height_px: 10, wraps }
     }
 
-    /// Columns that numbers tell apart.
+    /// Columns with distinct numbers.
     fn striped(width: usize) -> Image {
         Image { width, height: 1, rgb: (0..width).flat_map(|x| [x as u8; 3]).collect() }
     }

@@ -26,7 +26,7 @@ pub(super) struct Causal {
     is_spatial: bool,
 }
 
-/// What a decoder remembers of the tokens it has read.
+/// The caches of the tokens that a decoder has read.
 #[derive(Debug)]
 pub struct Cache {
     tensors: Vec<DeviceTensor>,
@@ -37,7 +37,7 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// The same for so many rows.
+    /// The same, repeated for this many rows.
     pub(super) fn repeated(&self, rows: usize) -> Result<Self, PerceptionError> {
         let gather = |cache: &DeviceTensor| cache.gather_rows("a cache", &vec![0; rows]);
         Ok(Self { tensors: self.tensors.iter().map(gather).collect::<Result<_, _>>()?, ..*self })
@@ -65,8 +65,8 @@ impl Causal {
         CACHES_MAX / (size_of::<f32>() * numbers.max(1))
     }
 
-    /// Reads embeddings f32 `[rows, tokens, width]` after what the cache holds. Their places go on from there unless given.
-    /// Scores are given of at least the `wanted` last tokens.
+    /// Reads embeddings f32 `[rows, tokens, width]` after what the cache holds. Their positions
+    /// continue from there unless given. The scores cover at least the `wanted` last tokens.
     pub(super) fn run(
         &self,
         before: Option<&Cache>,
@@ -109,7 +109,8 @@ impl Causal {
         Ok((found.remove(0), Cache { tensors, length: total, next }))
     }
 
-    /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models that tell rows and columns apart.
+    /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models with positions
+    /// in rows and columns.
     fn positions(&self, rows: usize, places: &[Place]) -> Tensor {
         let axes = if self.is_spatial { 3 } else { 1 };
         let of_axis = |axis: usize| places.iter().map(|p| p[axis]).collect::<Vec<_>>().repeat(rows);

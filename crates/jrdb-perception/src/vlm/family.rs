@@ -1,4 +1,4 @@
-//! How models of different make are shown a picture and asked about it.
+//! How each family of models takes a picture and a question.
 
 use jrdb_types::Image;
 
@@ -85,7 +85,7 @@ impl Family {
         }
     }
 
-    /// The places of a prompt's tokens, for makes that tell rows and columns apart.
+    /// The places of a prompt's tokens, for families with positions in rows and columns.
     #[must_use]
     pub fn places(&self, ids: &[u32], shown: &Shown) -> Option<Vec<Place>> {
         match self {

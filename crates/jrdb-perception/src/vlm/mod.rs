@@ -1,7 +1,8 @@
-//! Vision-language models that read a picture and a question and write an answer: InternVL3.5 and Qwen2.5-VL.
+//! Vision-language models that read a picture and a question and write an answer: InternVL3.5 and
+//! Qwen2.5-VL.
 //!
-//! Both are three graphs, bound by tensor name: `vision_encoder` makes image tokens, `embed_tokens` word tokens, and
-//! `decoder_model_merged` reads both and predicts what comes next.
+//! Both are three graphs, bound by tensor name: `vision_encoder` computes image tokens,
+//! `embed_tokens` word tokens, and `decoder_model_merged` predicts the next token from both.
 
 mod attribute;
 mod causal;

@@ -10,7 +10,7 @@ use crate::generation::Tokens;
 use crate::generation::log_sum_exp;
 use crate::generation::{DecodeConfig, Sequence, decode};
 
-/// What a vision-language model is made of, opened by the caller.
+/// The parts of a vision-language model, opened by the caller.
 #[derive(Debug)]
 pub struct VlmParts {
     /// Its vocabulary.
@@ -25,7 +25,7 @@ pub struct VlmParts {
     pub text: TextModel,
 }
 
-/// A model that writes about pictures. May be asked from several threads at once.
+/// A model that writes about pictures. Several threads may use it at once.
 pub struct Vlm {
     tokens: Tokens,
     vision_encoder: Box<dyn Engine>,
@@ -40,7 +40,7 @@ impl fmt::Debug for Vlm {
     }
 }
 
-/// A prompt that the model has read: its caches, and the scores of what comes next.
+/// The state after a prompt: the caches, and the scores of the next token.
 #[derive(Debug)]
 pub struct PromptState {
     cache: Cache,
@@ -85,7 +85,8 @@ impl Vlm {
         self.vision_encoder.inputs()
     }
 
-    /// Image tokens, row by row, of what the vision encoder is given: `pixel_values` and, where a model wants it, the grid.
+    /// Image tokens, row by row, for the inputs of the vision encoder: `pixel_values` and, for some
+    /// models, the grid.
     ///
     /// # Errors
     /// When the graph fails.
@@ -101,8 +102,8 @@ impl Vlm {
         }
     }
 
-    /// Reads the ids of a prompt in which every image token stands for a row of `features`. `places` are those of the tokens
-    /// where rows and columns of the picture matter.
+    /// Reads the ids of a prompt in which every image token stands for a row of `features`.
+    /// `places` are those of the tokens where rows and columns of the picture matter.
     ///
     /// # Errors
     /// When there are not as many image tokens as rows, or a graph fails.
@@ -117,7 +118,7 @@ impl Vlm {
         Ok(PromptState { cache, next: last_row(&logits)? })
     }
 
-    /// Reads further ids, words only, after what was read before.
+    /// Reads further ids, words only, after an earlier prompt.
     ///
     /// # Errors
     /// When a graph fails.
@@ -131,7 +132,7 @@ impl Vlm {
         Ok(PromptState { cache, next: last_row(&logits)? })
     }
 
-    /// Writes what comes after a prompt, word by word, up to so many tokens. The ids are those of the answer, its end included.
+    /// Generates the answer to a prompt, at most this many tokens. The ids include the end token.
     ///
     /// # Errors
     /// When a graph fails.
@@ -154,7 +155,8 @@ impl Vlm {
         Ok(sequence)
     }
 
-    /// Natural logarithm of the probability of each token of each continuation, its end included, after what was read.
+    /// Natural logarithm of the probability of each token of each continuation, its end included,
+    /// after the prompt.
     ///
     /// # Errors
     /// When a graph fails.
@@ -171,7 +173,8 @@ impl Vlm {
         Ok(all)
     }
 
-    /// All continuations in one run: shorter ones are filled up behind their end, which nothing before it sees.
+    /// All continuations in one run: shorter ones are padded after their end, which does not affect
+    /// the tokens before.
     fn weigh_together(
         &self,
         read: &PromptState,

@@ -1,4 +1,5 @@
-//! Qwen2.5-VL (Bai et al. 2025): pictures of any size as patches, tokens with places in rows and columns, boxes as JSON.
+//! Qwen2.5-VL (Bai et al. 2025): pictures of any size as patches, tokens with places in rows and
+//! columns, boxes as JSON.
 
 use jrdb_types::Image;
 use serde::Deserialize;
@@ -83,7 +84,7 @@ fn per_byte() -> f64 {
 /// The greatest ratio of a picture's sides that the model takes.
 const RATIO_MAX: f64 = 200.0;
 
-/// A picture as the vision encoder wants it.
+/// The input of the vision encoder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patches {
     /// Patches, those of a token together, f32 `[patches, 3 · frames · side · side]`.
@@ -100,7 +101,8 @@ impl Qwen25VlConfig {
     /// Reads the texts of `config.json`, `generation_config.json` and `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if one of them is not what its name says, [`PerceptionError::Setting`] if a number is out of range.
+    /// [`PerceptionError::File`] if one of them does not have the content that its name promises,
+    /// [`PerceptionError::Setting`] if a number is out of range.
     pub fn from_json(
         config: &str,
         generation: &str,
@@ -139,7 +141,8 @@ impl Qwen25VlConfig {
         })
     }
 
-    /// Columns and rows of a picture after resizing: multiples of a token's side, as many pixels as are allowed.
+    /// Columns and rows of a picture after resizing: multiples of a token's side, as many pixels as
+    /// are allowed.
     ///
     /// # Errors
     /// [`PerceptionError::Setting`] if one side is more than 200 times the other.
@@ -214,7 +217,7 @@ impl Qwen25VlConfig {
         }
     }
 
-    /// The words of a conversation in which the user shows a picture of so many tokens and asks something.
+    /// The prompt for a picture of this many tokens and a question.
     #[must_use]
     pub fn prompt(&self, question: &str, [rows, columns]: [usize; 2]) -> String {
         let image = "<|image_pad|>".repeat(rows * columns);
@@ -224,8 +227,8 @@ impl Qwen25VlConfig {
         )
     }
 
-    /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in rows and columns at one moment, and what
-    /// follows goes on behind the farthest of them.
+    /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in
+    /// rows and columns at one moment, and what follows goes on behind the farthest of them.
     #[must_use]
     pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Place> {
         let (mut next, mut places) = (0_i64, Vec::with_capacity(ids.len()));

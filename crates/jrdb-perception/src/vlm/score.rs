@@ -7,16 +7,17 @@ use crate::prompts::{Question, label_in};
 /// One spelling of a label as an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelScore {
-    /// Natural logarithm of the probability that the model answers so and ends: the sum over its tokens and the end.
+    /// Natural logarithm of the probability that the model answers so and ends: the sum over its
+    /// tokens and the end.
     pub log_likelihood: f64,
     /// Number of its tokens, the end included.
     pub tokens: usize,
 }
 
 impl Vlm {
-    /// Scores every spelling of every label as the answer to what was read, label by label.
+    /// Scores every spelling of every label as the answer to the prompt, label by label.
     ///
-    /// Sums, not means: a mean favours long words, whose later tokens are sure.
+    /// Sums, not means: a mean favours long words, whose later tokens have high probabilities.
     ///
     /// # Errors
     /// When a spelling has no tokens or a graph fails.
@@ -40,8 +41,8 @@ impl Vlm {
     }
 }
 
-/// Probabilities of labels, given that the answer is one of them; spellings of a label add up. `temperature` above 1 makes them less
-/// sure of themselves.
+/// Probabilities of labels, given that the answer is one of them; spellings of a label add up. A
+/// `temperature` above 1 flattens them.
 pub(super) fn probabilities(scores: &[Vec<LabelScore>], temperature: f64) -> Vec<f64> {
     let logs: Vec<f64> = scores
         .iter()
@@ -61,7 +62,7 @@ pub(super) fn probabilities(scores: &[Vec<LabelScore>], temperature: f64) -> Vec
     weights.iter().map(|weight| weight / sum).collect()
 }
 
-/// How many tokens all prompts begin with alike, leaving each at least one of its own.
+/// Length of the common beginning of all prompts; each keeps at least one token of its own.
 pub(super) fn shared_beginning(prompts: &[Vec<u32>]) -> usize {
     let Some(first) = prompts.first() else { return 0 };
     let alike = |other: &Vec<u32>| first.iter().zip(other).take_while(|(a, b)| a == b).count();

@@ -1,4 +1,4 @@
-//! What the text half of a model needs to be run.
+//! Sizes and ids of the text half of a model.
 
 use serde::Deserialize;
 
@@ -13,7 +13,8 @@ pub struct TextModel {
     pub cache_heads: usize,
     /// Width of a head of its caches.
     pub cache_width: usize,
-    /// Whether tokens have places in rows and columns of the picture (Qwen2.5-VL) or only in the text.
+    /// Whether tokens have places in rows and columns of the picture (Qwen2.5-VL) or only in the
+    /// text.
     pub is_spatial: bool,
     /// The token that image tokens stand for.
     pub image_token: u32,

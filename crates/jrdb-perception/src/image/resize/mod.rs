@@ -1,7 +1,8 @@
 //! Resampling of 8-bit pictures, equal to Pillow's byte for byte.
 //!
-//! Two passes, columns first, with 8-bit values between them; filters widen when shrinking (antialias);
-//! weights are rounded to 22 fractional bits. Models are trained on pictures scaled this way.
+//! Two passes, columns first, with 8-bit values between them; filters widen when shrinking
+//! (antialias); weights are rounded to 22 fractional bits. Models are trained on pictures scaled
+//! this way.
 
 mod filter;
 mod passes;
@@ -47,7 +48,7 @@ impl Region {
     }
 }
 
-/// The picture scaled to another size. A picture without pixels gives black.
+/// The picture scaled to another size. The result is black if the picture has no pixels.
 ///
 /// # Panics
 /// When the picture has pixels, but not `3 · width · height` bytes.
@@ -63,7 +64,8 @@ pub fn resize(image: &Image, width: usize, height: usize, filter: Filter) -> Ima
     Resizer::new(filter, width, height).resize(image, Region::whole(image))
 }
 
-/// Scales parts of pictures to one size, and uses its memory and the weights of the last part's size again.
+/// Scales parts of pictures to one size, and uses its memory and the weights of the last part's
+/// size again.
 ///
 /// ```
 /// use jrdb_perception::image::{Filter, Region, Resizer, resize};
@@ -113,10 +115,12 @@ impl Resizer {
         scaled
     }
 
-    /// A part of a picture, scaled and normalised, as a model takes it: `3 · height · width` numbers.
+    /// A part of a picture, scaled and normalised, as a model takes it: `3 · height · width`
+    /// numbers.
     ///
     /// # Panics
-    /// When the tensor has another length, the region is not in the picture, or the picture has not `3 · width · height` bytes.
+    /// When the tensor has another length, the region is not in the picture, or the picture has not
+    /// `3 · width · height` bytes.
     pub fn tensor(
         &mut self,
         image: &Image,

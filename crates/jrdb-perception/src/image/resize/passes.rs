@@ -5,7 +5,8 @@ use super::taps::{FRACTION_BITS, Taps};
 /// Half of the last bit that is kept: sums are rounded.
 const HALF: i32 = 1 << (FRACTION_BITS - 1);
 
-/// Scales a row of pixels. Both rows have a byte behind their last pixel: pixels are read and written four bytes at a time.
+/// Scales a row of pixels. Both rows have a byte behind their last pixel: pixels are read and
+/// written four bytes at a time.
 pub(super) fn across(taps: &Taps, from: &[u8], to: &mut [u8]) {
     pulp::Arch::new().dispatch(Across { taps, from, to });
 }
@@ -31,7 +32,7 @@ impl pulp::NullaryFnOnce for Across<'_> {
 }
 
 impl Across<'_> {
-    /// With so many inputs of each output: what is usual when a picture is enlarged.
+    /// With so many inputs of each output: the usual case when a picture is enlarged.
     #[inline(always)]
     fn of<const COUNT: usize>(self) {
         let weights = self.taps.weights.as_chunks::<COUNT>().0;
@@ -58,7 +59,7 @@ impl Across<'_> {
     }
 }
 
-/// Adds a pixel, and the byte behind it, as much as a weight says.
+/// Adds a pixel, and the byte behind it, multiplied by a weight.
 #[inline(always)]
 fn add(sums: &mut [i32; 4], weight: i32, pixel: &[u8]) {
     for (sum, byte) in sums.iter_mut().zip(&pixel[..4]) {

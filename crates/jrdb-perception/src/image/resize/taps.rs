@@ -14,13 +14,13 @@ pub(super) struct Taps {
     pub(super) firsts: Vec<usize>,
     /// How many inputs every output has.
     pub(super) count: usize,
-    /// Of each output's inputs, in units of 2⁻²²; the magnitudes of one output's sum to less than 2, so that 255 times their
-    /// sum fits 32 bits. Outputs that need fewer have zeros.
+    /// Of each output's inputs, in units of 2⁻²²; the magnitudes of one output's sum to less than
+    /// 2, so that 255 times their sum fits 32 bits. Outputs that need fewer have zeros.
     pub(super) weights: Vec<i32>,
 }
 
 impl Taps {
-    /// Makes them those for so many inputs, at least one, and outputs.
+    /// Sets them for this many inputs, at least one, and outputs.
     pub(super) fn set(&mut self, input: usize, output: usize, filter: Filter) {
         if self.sizes == [input, output] && self.filter == Some(filter) {
             return;

@@ -1,5 +1,5 @@
-//! People and objects of COCO's 80 classes by NanoDet-g on 416 x 416 pixels (Li et al., Generalized Focal Loss,
-//! 2020, for the boxes), run on wrapped tiles.
+//! People and objects of COCO's 80 classes by NanoDet-g on 416 x 416 pixels (Li et al., Generalized
+//! Focal Loss, 2020, for the boxes), run on wrapped tiles.
 
 use std::fmt;
 
@@ -19,8 +19,8 @@ use crate::tiling::tiled::{ClassBox, TileSize, Tiling, numbered, unit};
 const SIDE: usize = 416;
 /// Name of the model's input: f32 `[1, 3, 416, 416]`, channels blue, green, red.
 const INPUT: &str = "input_1";
-/// Pixels of the input to a cell of each grid, and the grid's tensors: scores f32 `[1, cells, 80]`, and for each
-/// of a box's four sides a distribution over 11 distances, f32 `[1, cells, 44]`.
+/// Pixels of the input to a cell of each grid, and the grid's tensors: scores f32 `[1, cells, 80]`,
+/// and for each of a box's four sides a distribution over 11 distances, f32 `[1, cells, 44]`.
 const GRIDS: [(usize, &str, &str); 3] = [
     (8, "Identity", "Identity_3"),
     (16, "Identity_1", "Identity_4"),
@@ -30,38 +30,41 @@ const CLASSES: usize = COCO_CLASSES.len();
 /// Distances that a side may have from its cell's middle, in cells: 0 to 10.
 const DISTANCES: usize = 11;
 const SIDES: usize = 4;
-/// Mean and standard deviation of the pictures that the model was trained on, ImageNet's: blue, green, red.
+/// Mean and standard deviation of the pictures that the model was trained on, ImageNet's: blue,
+/// green, red.
 const MEAN: [f32; 3] = [103.53, 116.28, 123.675];
 const DEVIATION: [f32; 3] = [57.375, 57.12, 58.395];
 
-/// How things are looked for.
+/// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct NanoDetConfig {
     /// Whether the image is a 360° panorama whose last column borders on the first.
     pub wraps: bool,
-    /// Widths of the tiles, as parts of the image's height (tiles are as high as the image); in `(0, 10]`.
+    /// Widths of the tiles, as parts of the image's height (tiles are as high as the image); in
+    /// `(0, 10]`.
     ///
-    /// Default 4/3 alone: of the widths tried on a labelled frame of JRDB (2/3, 5/6, 1, 7/6, 4/3) the best second opinion on people,
-    /// and the one that sees most chairs whole.
+    /// Default 4/3 alone: of the widths tried on a labelled frame of JRDB (2/3, 5/6, 1, 7/6, 4/3)
+    /// the best second opinion on people, and the one that shows most chairs whole.
     pub tile_aspects: Vec<f64>,
     /// Part of its width that a tile shares with the next; in `[0, 0.95]`.
     ///
-    /// Default 1/2: everything up to half a tile wide lies whole in some tile; 3/4 takes twice the time and
-    /// gave no better people.
+    /// Default 1/2: everything up to half a tile wide lies whole in some tile; 3/4 takes twice the
+    /// time and gave no better people.
     pub tile_overlap: f64,
-    /// A box this near to a border between tiles is dropped, as a part of the tile's width, in `[0, 0.5)`.
-    /// Default 1/100, as for the other detector.
+    /// A box this near to a border between tiles is dropped, as a part of the tile's width, in `[0,
+    /// 0.5)`. Default 1/100, as for the other detector.
     pub border_margin: f64,
-    /// Least confidence of a detection, in `[0, 1]`. Default 0.4: by eye on a frame of JRDB, where 0.35 begins to see
-    /// cats and microwaves.
+    /// Least confidence of a detection, in `[0, 1]`. Default 0.4: by eye on a frame of JRDB, where
+    /// 0.35 yields false cats and microwaves.
     pub min_score: f64,
-    /// Boxes of one class that overlap by more than this IoU are one thing, in `[0, 1]`. Default 1/2, as for the other detector.
+    /// Boxes of one class that overlap by more than this IoU are the same object, in `[0, 1]`.
+    /// Default 1/2, as for the other detector.
     pub nms_iou: f64,
 }
 
 impl Default for NanoDetConfig {
-    /// For panoramas of 360°; where each number comes from is said at the field.
+    /// For panoramas of 360°. Each field documents the source of its number.
     fn default() -> Self {
         Self {
             wraps: true,
@@ -88,7 +91,8 @@ impl NanoDetConfig {
 
 /// Finds people and objects in panoramas of any size; categories are [`COCO_CLASSES`].
 ///
-/// Tiles run in parallel on the current rayon pool; the result does not depend on its number of threads.
+/// Tiles run in parallel on the current rayon pool; the result does not depend on its number of
+/// threads.
 pub struct NanoDet {
     engine: Box<dyn Engine>,
     config: NanoDetConfig,
@@ -109,7 +113,7 @@ impl NanoDet {
         Self { engine, config }
     }
 
-    /// Things in a square picture of a tile, in pixels of that tile.
+    /// Detections in a square picture of a tile, in pixels of that tile.
     fn look(&self, picture: &Image, size: TileSize) -> Result<Vec<ClassBox>, PerceptionError> {
         let names: Vec<&str> = (GRIDS.iter().map(|(_, scores, _)| *scores))
             .chain(GRIDS.iter().map(|(.., sides)| *sides))
@@ -160,7 +164,8 @@ impl Detector for NanoDet {
     }
 }
 
-/// The picture as the model wants it: planes of blue, green, red, less their mean, over their deviation.
+/// The input of the model: planes of blue, green, red, minus their mean, divided by their
+/// deviation.
 fn input(picture: &Image) -> Tensor {
     let plane = |channel: usize| {
         let bytes = picture.rgb.iter().skip(2 - channel).step_by(3);
@@ -170,8 +175,8 @@ fn input(picture: &Image) -> Tensor {
     Tensor::F32 { shape: vec![1, 3, picture.height, picture.width], data }
 }
 
-/// The box that a cell's distributions make, cut to the tile, in pixels of a tile of this size: each side lies at the expected
-/// distance from the cell's middle.
+/// The box that a cell's distributions make, cut to the tile, in pixels of a tile of this size:
+/// each side lies at the expected distance from the cell's middle.
 fn decode(
     cell: usize,
     stride: usize,
@@ -207,7 +212,8 @@ mod tests {
     const MIDDLE: usize = 6 * 13 + 6;
     const CHAIR: usize = 56;
 
-    /// Sees a chair in the middle cell of the coarsest grid of every tile, three cells to each side.
+    /// Sees a chair in the middle cell of the coarsest grid of every tile, three cells to each
+    /// side.
     fn chair(classes: usize) -> Fixed {
         let tensor = |cells: usize, width: usize, at: &[usize], value: f32| {
             let mut data = vec![0.0; cells * width];
@@ -239,7 +245,8 @@ mod tests {
         let found = detect(chair(80), squares()).unwrap().detections;
         let ids: Vec<String> = found.iter().map(|d| d.id.to_string()).collect();
         assert_eq!(ids, ["chair:1", "chair:2", "chair:3", "chair:4"]);
-        // A cell is 2 pixels of the panorama wide; the middle one is at 13, and the box reaches 3 cells to each side.
+        // A cell is 2 pixels of the panorama wide; the middle one is at 13, and the box reaches 3
+        // cells to each side.
         for (detection, x) in found.iter().zip([7.0, 33.0, 59.0, 85.0]) {
             let PixelBox { x: left, y, w, h } = detection.bbox;
             for (found, expected) in [(left, x), (y, 7.0), (w, 12.0), (h, 12.0)] {

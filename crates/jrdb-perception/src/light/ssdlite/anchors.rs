@@ -1,4 +1,5 @@
-//! The boxes from which the model counts its own, and how it does (Liu et al., SSD, 2016, section 2.2).
+//! The boxes from which the model counts its own, and how it does (Liu et al., SSD, 2016, section
+//! 2.2).
 
 use jrdb_types::PixelBox;
 
@@ -48,8 +49,8 @@ fn shapes(level: usize) -> Vec<(f64, f64)> {
 }
 
 impl Anchor {
-    /// The box that the model's four numbers (vertical and horizontal shift, height, width) make of the
-    /// anchor, cut to the tile, in pixels of a tile of this size.
+    /// The box that the model's four numbers (vertical and horizontal shift, height, width) make of
+    /// the anchor, cut to the tile, in pixels of a tile of this size.
     pub(super) fn decode(&self, code: &[f32; 4], width_px: f64, height_px: f64) -> PixelBox {
         let [ty, tx, th, tw] = code.map(f64::from);
         let (cx, cy) =

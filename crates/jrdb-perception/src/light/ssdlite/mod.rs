@@ -1,5 +1,5 @@
-//! People by SSDLite-MobileNetV2 on 300 x 300 pixels (Sandler et al. 2018, section 6.2), run on wrapped
-//! tiles.
+//! People by SSDLite-MobileNetV2 on 300 x 300 pixels (Sandler et al. 2018, section 6.2), run on
+//! wrapped tiles.
 
 use std::fmt;
 
@@ -19,8 +19,8 @@ use crate::tiling::tiled::{ClassBox, TileSize, Tiling, numbered, unit};
 /// Side of the model's input, pixels.
 const SIDE: usize = 300;
 
-/// Names of the model's tensors: `input` f32 `[1, 300, 300, 3]`, `box_enc` f32 `[1, 1917, 4]`, `logits`
-/// f32 `[1, 1917, 2]` (background, person).
+/// Names of the model's tensors: `input` f32 `[1, 300, 300, 3]`, `box_enc` f32 `[1, 1917, 4]`,
+/// `logits` f32 `[1, 1917, 2]` (background, person).
 const INPUT: &str = "input";
 const BOXES: &str = "box_enc";
 const LOGITS: &str = "logits";
@@ -31,31 +31,34 @@ const LOGITS: &str = "logits";
 pub struct SsdLiteConfig {
     /// Whether the image is a 360° panorama whose last column borders on the first.
     pub wraps: bool,
-    /// Widths of the tiles, as parts of the image's height (tiles are as high as the image); in `(0, 10]`.
+    /// Widths of the tiles, as parts of the image's height (tiles are as high as the image); in
+    /// `(0, 10]`.
     ///
-    /// Default 2/3 and 4/3. A tile is squeezed into a square: the narrow one shows upright people half again
-    /// as broad, nearer to the shapes of the model's anchors and larger; the wide one shows people who
-    /// sit or stand near whole. On a labelled frame of JRDB both together find more than either, or than
-    /// squares.
+    /// Default 2/3 and 4/3. A tile is squeezed into a square: the narrow one shows upright people
+    /// half again as broad, nearer to the shapes of the model's anchors and larger; the wide one
+    /// shows people who sit or stand near whole. On a labelled frame of JRDB both together find
+    /// more than either, or than squares.
     pub tile_aspects: Vec<f64>,
     /// Part of its width that a tile shares with the next; in `[0, 0.95]`.
     ///
-    /// Default 3/4: a person of up to 3/4 of a tile lies whole in some tile, and most in several, so that
-    /// the result depends little on where tiles begin. Turning a labelled frame of JRDB by eight angles, AP50
-    /// stays within 0.52 and 0.57; with 1/2, which takes half the time, within 0.47 and 0.58.
+    /// Default 3/4: a person of up to 3/4 of a tile lies whole in some tile, and most in several,
+    /// so that the result depends little on where tiles begin. Turning a labelled frame of JRDB by
+    /// eight angles, AP50 stays within 0.52 and 0.57; with 1/2, which takes half the time, within
+    /// 0.47 and 0.58.
     pub tile_overlap: f64,
-    /// A box this near to a border between tiles is dropped, as a part of the tile's width, in `[0, 0.5)`: a
-    /// neighbour sees it whole. Default 1/100: three pixels of the model's input, about its precision.
+    /// A box this near to a border between tiles is dropped, as a part of the tile's width, in `[0,
+    /// 0.5)`: a neighbour shows it whole. Default 1/100: three pixels of the model's input, about
+    /// its precision.
     pub border_margin: f64,
     /// Least confidence of a detection, in `[0, 1]`. Default 1/2: more probably a person than not.
     pub min_score: f64,
-    /// Boxes that overlap by more than this IoU are one person, in `[0, 1]`. Default 1/2, the IoU at which
-    /// the benchmark calls two boxes the same.
+    /// Boxes that overlap by more than this IoU are one person, in `[0, 1]`. Default 1/2, the IoU
+    /// at which the benchmark matches two boxes.
     pub nms_iou: f64,
 }
 
 impl Default for SsdLiteConfig {
-    /// For panoramas of 360°; where each number comes from is said at the field.
+    /// For panoramas of 360°. Each field documents the source of its number.
     fn default() -> Self {
         Self {
             wraps: true,
@@ -82,9 +85,9 @@ impl SsdLiteConfig {
 
 /// Finds people in panoramas of any size.
 ///
-/// A person should be taller than a tenth of the image (the smallest anchor) and a little narrower than the
-/// image is high (the widest tile's overlap). Tiles run in parallel on the current rayon pool; the result
-/// does not depend on its number of threads.
+/// A person should be taller than a tenth of the image (the smallest anchor) and a little narrower
+/// than the image is high (the widest tile's overlap). Tiles run in parallel on the current rayon
+/// pool; the result does not depend on its number of threads.
 pub struct SsdLite {
     engine: Box<dyn Engine>,
     config: SsdLiteConfig,
@@ -147,7 +150,7 @@ impl Detector for SsdLite {
     }
 }
 
-/// The picture as the model wants it: rows of columns of red, green, blue in `[-1, 1]`.
+/// The input of the model: rows of columns of red, green, blue in `[-1, 1]`.
 fn input(picture: &Image) -> Tensor {
     let data = picture.rgb.iter().map(|&byte| f32::from(byte) / 127.5 - 1.0).collect();
     Tensor::F32 { shape: vec![1, picture.height, picture.width, 3], data }
@@ -163,7 +166,7 @@ mod tests {
     use crate::fixed::Fixed;
     use jrdb_types::{ImageGeometry, PixelBox};
 
-    /// Says the same of every tile: one anchor is a person.
+    /// Returns the same output for every tile: one anchor is a person.
     struct Person {
         anchor: usize,
         code: [f32; 4],
