@@ -13,7 +13,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result, bail};
-use jrdb_perception::resize::{Filter, resize};
+use jrdb_perception::image::{Filter, resize};
 use jrdb_synth::{InTile, TILE_PX, View, practice};
 use jrdb_types::PixelBox;
 

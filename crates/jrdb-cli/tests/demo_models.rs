@@ -9,7 +9,7 @@ use jrdb_models::PerceptionOptions;
 use jrdb_models::backbone::{AttributeFiles, Backbone, Graphs, florence2};
 use jrdb_models::loader::{EngineChoice, EngineOptions, Loader};
 use jrdb_perception::florence2::Task;
-use jrdb_perception::vlm::{Topic, questions};
+use jrdb_perception::prompts::{Topic, questions};
 use jrdb_synth::{Practice, practice};
 use rayon::prelude::*;
 use serde_json::Value;

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use jrdb_perception::{Engine, EngineError, Held, Input, Tensor};
+use jrdb_perception::{DeviceTensor, Engine, EngineError, Input};
 
 /// What graphs have taken so far. Copies count together.
 #[derive(Debug, Clone, Default)]
@@ -112,20 +112,12 @@ impl Engine for Watched {
         self.engine.outputs()
     }
 
-    fn run(
-        &self,
-        inputs: &[(&str, &Tensor)],
-        outputs: &[&str],
-    ) -> Result<Vec<Tensor>, EngineError> {
-        self.timed(|| self.engine.run(inputs, outputs))
-    }
-
-    fn run_held(
+    fn run_on_device(
         &self,
         inputs: &[(&str, Input<'_>)],
         outputs: &[&str],
-    ) -> Result<Vec<Held>, EngineError> {
-        self.timed(|| self.engine.run_held(inputs, outputs))
+    ) -> Result<Vec<DeviceTensor>, EngineError> {
+        self.timed(|| self.engine.run_on_device(inputs, outputs))
     }
 }
 

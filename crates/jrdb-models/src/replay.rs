@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use jrdb_perception::exchange::{Exchange, play};
+use jrdb_perception::exchange::{Exchange, replay};
 use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
 use jrdb_types::{Detections, FrameId};
 
@@ -28,7 +28,7 @@ impl Replay {
 
 impl Perceive for Replay {
     fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
-        Ok(play(&self.lines, frame, view.geometry))
+        Ok(replay(&self.lines, frame, view.geometry))
     }
 
     fn looks_at_images(&self) -> bool {

@@ -1,12 +1,14 @@
-//! The two seams of perception: what finds things, and what describes them.
+//! The traits of perception: detectors, attribute models and grounders, and their error.
 
 use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
 
-use crate::engine::{Cause, Engine, EngineError, Tensor};
+#[cfg(feature = "vlm")]
+use crate::engine::Engine;
+use crate::engine::{Cause, EngineError, Tensor};
 
-/// Finds things in an image.
+/// Detects people and objects in an image.
 pub trait Detector: Send + Sync {
-    /// The things in the image, numbered from left to right.
+    /// The detections in the image, numbered from left to right.
     ///
     /// # Errors
     /// When the image, the settings or the model cannot be used.
@@ -16,9 +18,10 @@ pub trait Detector: Send + Sync {
     fn config(&self) -> serde_json::Value;
 }
 
-/// Finds what a whole sentence means, by the model alone: the paper's baseline without geometry.
+/// Locates what a whole sentence refers to, by the model alone: the paper's baseline without
+/// geometry.
 pub trait Grounder: Send + Sync {
-    /// The boxes that the sentence means, numbered from left to right.
+    /// The boxes that the sentence refers to, numbered from left to right.
     ///
     /// # Errors
     /// When the image, the sentence or the model cannot be used.
@@ -30,9 +33,10 @@ pub trait Grounder: Send + Sync {
     ) -> Result<Detections, PerceptionError>;
 }
 
-/// Says what a detected thing looks like.
+/// Describes a detection.
 pub trait AttributeModel: Send + Sync {
-    /// What is believed of one detection; an empty belief where the model cannot tell.
+    /// The attributes of one detection; a belief is empty if the model cannot estimate the
+    /// attribute.
     ///
     /// # Errors
     /// When the image or the model cannot be used.
@@ -44,7 +48,7 @@ pub trait AttributeModel: Send + Sync {
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PerceptionError {
-    /// The image has no pixels, or another number of bytes than its size says.
+    /// The image has no pixels, or its number of bytes does not match its size.
     #[error("expected 3 bytes for each of {width} x {height} pixels, at least one, found {bytes}")]
     Image {
         /// Columns.
@@ -74,45 +78,45 @@ pub enum PerceptionError {
         /// Type and shape found.
         found: String,
     },
-    /// A JSON file beside a model is not what its name says.
+    /// A JSON file beside a model does not have the content that its name promises.
     #[error("expected a model's {file}")]
     File {
         /// Its usual name.
         file: &'static str,
-        /// What is wrong.
+        /// The error of the JSON reader.
         #[source]
         source: serde_json::Error,
     },
-    /// A line of an exchange is none.
+    /// A line of an exchange file is not an exchange.
     #[error("expected an exchange with a request in line {number}")]
     Line {
         /// Its number, from 1.
         number: usize,
-        /// What is wrong.
+        /// The error of the JSON reader.
         #[source]
         source: serde_json::Error,
     },
     /// A tokenizer cannot be read, or cannot spell a text.
     #[error("the tokenizer could not be used")]
     Tokens(#[source] Cause),
-    /// A vocabulary lacks a token that the model needs.
+    /// The vocabulary lacks a token that the model needs.
     #[error("expected the token {token:?} in the vocabulary, found none")]
     Token {
         /// The token.
         token: String,
     },
-    /// A task that no model knows.
+    /// An unknown task.
     #[error("expected a task of Florence-2 such as <OD>, found {found:?}")]
     Task {
-        /// What was given.
+        /// The text.
         found: String,
     },
-    /// A graph is not the one that the code knows.
+    /// A graph lacks expected tensors.
     #[error("expected a graph with {expected}, found {known:?}")]
     Graph {
-        /// What it should have.
+        /// The expected tensors.
         expected: &'static str,
-        /// What it has.
+        /// The tensors of the graph.
         known: Vec<String>,
     },
     /// A source of detections other than a model cannot be used for a frame.
@@ -123,7 +127,7 @@ pub enum PerceptionError {
     Engine(#[from] EngineError),
 }
 
-/// Whether the image has pixels, and as many bytes as its size says.
+/// Checks that the image has pixels, and that its number of bytes matches its size.
 pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
     let Image { width, height, rgb } = image;
     let expected = width.checked_mul(*height).and_then(|pixels| pixels.checked_mul(3));
@@ -135,7 +139,8 @@ pub(crate) fn check_image(image: &Image) -> Result<(), PerceptionError> {
     Ok(())
 }
 
-/// Whether a graph has the tensors that it should have; `expected` says it in words.
+/// Checks that a graph has these tensors; `expected` describes them for the error.
+#[cfg(feature = "vlm")]
 pub(crate) fn check_graph(
     graph: &dyn Engine,
     expected: &'static str,

@@ -1,7 +1,8 @@
-//! Perception by anybody: what is asked of a model, and what it replied, one JSON object a line.
+//! Perception by an external model: requests and replies as JSON Lines.
 //!
-//! A line holds a request and, once there is one, its reply. Lines without reply go out to whatever can answer them: a script, a server, a model that
-//! runs nowhere here. Lines with replies come back, and play as a recording of any model does.
+//! A line holds a request and, once there is one, its reply. Lines without a reply are requests to
+//! an external model, such as a script or a server. Lines with replies are read back and replayed;
+//! a recording of a model has the same form.
 
 use std::collections::BTreeMap;
 
@@ -11,16 +12,16 @@ use jrdb_types::{Attributes, Detection, Detections, FrameId, ImageGeometry, Issu
 use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
-use crate::numbered::{category, numbered};
-use crate::vlm::{Topic, believed, json_boxes, label_in, put, questions};
+use crate::numbered::{CategoryBox, category, numbered};
+use crate::prompts::{JsonBox, Question, Topic, believed, json_boxes, label_in, put, questions};
 
 /// One line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Exchange {
-    /// What is asked.
+    /// The request.
     pub request: Request,
-    /// What was answered.
+    /// The reply.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reply: Option<Reply>,
 }
@@ -34,8 +35,8 @@ pub struct Request {
     /// The picture to look at, from the folder of the exchange: the panorama, or the part in `box`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub image: Option<String>,
-    /// The part of the panorama in question, pixels; the whole of it if absent. What is in a box is to be described; in the whole,
-    /// things are to be found.
+    /// The part of the panorama, pixels; absent for the whole panorama. A request with a box asks
+    /// for an attribute of the person in it; a request without one asks for detections.
     #[serde(rename = "box", default, skip_serializing_if = "Option::is_none")]
     pub bbox: Option<PixelBox>,
     /// Which attribute of the person in the box.
@@ -52,22 +53,23 @@ pub struct Request {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reply {
-    /// In words: one of the labels, perhaps in a sentence; or boxes in JSON, as vision-language models write them.
+    /// Text: one of the labels, possibly in a sentence; or boxes in JSON, in the form of
+    /// vision-language models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
     /// Probabilities of the labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probabilities: Option<BTreeMap<String, f64>>,
-    /// What was found, pixels of the panorama.
+    /// The detections, pixels of the panorama.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub found: Option<Vec<Found>>,
 }
 
-/// A thing that was found.
+/// A detection.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Found {
-    /// What it is; every word for a person is `person`.
+    /// Its category; every word for a person becomes `person`.
     pub label: String,
     /// Where, pixels of the panorama.
     #[serde(rename = "box")]
@@ -81,14 +83,14 @@ fn certain() -> f64 {
     1.0
 }
 
-/// What is asked of a model that shall find everything.
+/// The prompt that asks a model for all detections.
 pub const FIND: &str = "Locate every person and every object in the image. Answer in JSON: [{\"label\": name, \"bbox_2d\": [x0, y0, x1, y1]}].";
 
 impl Exchange {
     /// Reads the lines of a file. Empty lines are skipped.
     ///
     /// # Errors
-    /// [`PerceptionError::Line`] with the number of the first line that is no exchange.
+    /// [`PerceptionError::Line`] with the number of the first line that is not an exchange.
     pub fn read_lines(text: &str) -> Result<Vec<Self>, PerceptionError> {
         let lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
         let read = |(number, line): (usize, &str)| {
@@ -97,8 +99,8 @@ impl Exchange {
         lines.map(read).collect()
     }
 
-    /// What a model would have to be asked to give these detections, with their contents as replies: a recording. People's attributes on
-    /// `topics` that are not known are questions without a reply.
+    /// A recording: the requests and replies that reproduce these detections. Attributes on
+    /// `topics` that are unknown become requests without a reply.
     #[must_use]
     pub fn record(detections: &Detections, topics: &[Topic]) -> Vec<Self> {
         let found = |detection: &Detection| Found {
@@ -121,13 +123,13 @@ impl Exchange {
             }),
         };
         let people = detections.detections.iter().filter(|one| one.category == PERSON);
-        let asked = people.flat_map(|person| describe(&detections.frame, person, topics));
+        let asked = people.flat_map(|person| questions_about(&detections.frame, person, topics));
         std::iter::once(find).chain(asked).collect()
     }
 }
 
-fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
-    let ask = |question: crate::vlm::Question| {
+fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchange> {
+    let ask = |question: Question| {
         let labels: Vec<String> = question.labels.iter().map(|all| all[0].clone()).collect();
         let known = believed(&person.attributes, question.topic);
         let probabilities: BTreeMap<String, f64> =
@@ -148,35 +150,36 @@ fn describe(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec<Exchan
     questions(topics).into_iter().map(ask).collect()
 }
 
-/// What was replied about one frame, as detections. A reply that cannot be used is an issue; so is a person about whom nothing was replied.
+/// The detections that the replies for one frame describe. A missing or unusable reply is reported
+/// as an issue.
 ///
-/// Without a line that finds things, the boxes that were asked about are people.
+/// If no line asks for detections, the boxes of the other requests are people.
 #[must_use]
-pub fn play(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
+pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
     let lines: Vec<&Exchange> = lines.iter().filter(|line| line.request.frame == *frame).collect();
     let mut issues = Vec::new();
-    let mut found: Vec<(PixelBox, f64, String)> = Vec::new();
+    let mut found: Vec<CategoryBox> = Vec::new();
     let searches: Vec<_> = lines.iter().filter(|line| line.request.bbox.is_none()).collect();
     for line in &searches {
-        match things(line.reply.as_ref()) {
-            Ok(things) => found.extend(things),
+        match boxes_in(line.reply.as_ref()) {
+            Ok(boxes) => found.extend(boxes),
             Err(message) => issues.push(Issue::new(IssueKind::MissingInput, message)),
         }
     }
     if searches.is_empty() {
         for bbox in lines.iter().filter_map(|line| line.request.bbox) {
-            if !found.iter().any(|one| one.0 == bbox) {
-                found.push((bbox, 1.0, PERSON.into()));
+            if !found.iter().any(|one| one.bbox == bbox) {
+                found.push(CategoryBox { bbox, score: 1.0, category: PERSON.into() });
             }
         }
     }
-    found.retain(|one| one.0.is_proper());
+    found.retain(|one| one.bbox.is_proper());
     let mut detections = numbered(found);
     for detection in &mut detections {
         let about = lines.iter().filter(|line| line.request.bbox == Some(detection.bbox));
         for line in about {
             let Some(topic) = line.request.topic else { continue };
-            if let Err(message) = told(&mut detection.attributes, topic, line) {
+            if let Err(message) = apply_reply(&mut detection.attributes, topic, line) {
                 issues.push(Issue::about(IssueKind::NotDescribed, &detection.id, message));
             }
         }
@@ -184,31 +187,35 @@ pub fn play(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detect
     Detections { frame: frame.clone(), image, detections, issues }
 }
 
-/// What a reply says is there.
-fn things(reply: Option<&Reply>) -> Result<Vec<(PixelBox, f64, String)>, String> {
-    let reply = reply.ok_or("nobody has replied what is in the picture")?;
+/// The boxes in a reply.
+fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
+    let reply = reply.ok_or("no reply to what is in the image")?;
     if let Some(found) = &reply.found {
         let score =
             |one: &Found| if one.score.is_finite() { one.score.clamp(0.0, 1.0) } else { 0.0 };
-        return Ok(found.iter().map(|one| (one.bbox, score(one), category(&one.label))).collect());
+        let read = |one: &Found| CategoryBox {
+            bbox: one.bbox,
+            score: score(one),
+            category: category(&one.label),
+        };
+        return Ok(found.iter().map(read).collect());
     }
     let text = reply.text.as_deref().ok_or("expected found or text in the reply, found neither")?;
     let boxes = json_boxes(text, [1.0, 1.0]).map_err(|error| format!("{error}: {text:?}"))?;
-    let thing = |one: crate::vlm::JsonBox| {
+    let read = |one: JsonBox| {
         let [x0, y0, x1, y1] = one.corners;
         let label = if one.label.is_empty() { PERSON } else { &one.label };
-        (PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 }, 1.0, category(label))
+        let bbox = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
+        CategoryBox { bbox, score: 1.0, category: category(label) }
     };
-    Ok(boxes.into_iter().map(thing).collect())
+    Ok(boxes.into_iter().map(read).collect())
 }
 
-/// Puts what a reply says of a topic into a person's attributes.
-fn told(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
+/// Writes the reply on a topic into the attributes of a person.
+fn apply_reply(attributes: &mut Attributes, topic: Topic, line: &Exchange) -> Result<(), String> {
     let Some(question) = questions(&[topic]).pop() else { return Ok(()) };
-    let reply = line
-        .reply
-        .as_ref()
-        .ok_or_else(|| format!("nobody has replied to {:?}", line.request.prompt))?;
+    let reply =
+        line.reply.as_ref().ok_or_else(|| format!("no reply to {:?}", line.request.prompt))?;
     if let Some(probabilities) = &reply.probabilities {
         let of = |spellings: &Vec<String>| -> f64 {
             spellings
@@ -242,10 +249,14 @@ mod tests {
 
     const IMAGE: ImageGeometry = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
 
+    fn at(bbox: [f64; 4], score: f64, category: &str) -> CategoryBox {
+        CategoryBox { bbox: bbox.into(), score, category: category.into() }
+    }
+
     fn detections() -> Detections {
         let mut found = numbered(vec![
-            (PixelBox::from([10.0, 5.0, 8.0, 20.0]), 0.9, "person".into()),
-            (PixelBox::from([95.0, 5.0, 9.0, 20.0]), 0.8, "chair".into()),
+            at([10.0, 5.0, 8.0, 20.0], 0.9, "person"),
+            at([95.0, 5.0, 9.0, 20.0], 0.8, "chair"),
         ]);
         let person = found.iter_mut().find(|one| one.category == PERSON).unwrap();
         person.attributes.set_age(Belief([(Age::Young, 0.75), (Age::Adolescent, 0.25)].into()));
@@ -258,38 +269,38 @@ mod tests {
     }
 
     #[test]
-    fn a_recording_plays_what_was_recorded() {
+    fn a_recording_replays_what_was_recorded() {
         let lines = Exchange::record(&detections(), &[Topic::Age]);
         let text: Vec<String> =
             lines.iter().map(|line| serde_json::to_string(line).unwrap()).collect();
         let read = Exchange::read_lines(&text.join("\n")).unwrap();
         assert_eq!(read, lines);
-        assert_eq!(play(&read, &FrameId::default(), IMAGE), detections());
+        assert_eq!(replay(&read, &FrameId::default(), IMAGE), detections());
     }
 
     #[test]
     fn what_is_not_known_is_asked_and_may_be_answered_in_words() {
         let mut lines = Exchange::record(&detections(), &[Topic::Gender]);
         assert_eq!(lines[1].reply, None);
-        let silent = play(&lines, &FrameId::default(), IMAGE);
+        let silent = replay(&lines, &FrameId::default(), IMAGE);
         assert_eq!(silent.issues[0].subject, Some(EntityId::new("person", 1)));
         let say = |text: &str| Some(Reply { text: Some(text.into()), ..Reply::default() });
         lines[1].reply = say("She is a woman.");
-        let told = play(&lines, &FrameId::default(), IMAGE);
-        let person = told.detections.iter().find(|one| one.category == PERSON).unwrap();
+        let described = replay(&lines, &FrameId::default(), IMAGE);
+        let person = described.detections.iter().find(|one| one.category == PERSON).unwrap();
         assert_eq!(person.attributes.gender().best(), Some(Gender::Female));
         lines[1].reply = say("I cannot say.");
-        let unclear = play(&lines, &FrameId::default(), IMAGE);
+        let unclear = replay(&lines, &FrameId::default(), IMAGE);
         assert!(unclear.issues[0].message.contains("expected one of male, female"));
     }
 
     #[test]
-    fn boxes_in_words_are_people_and_broken_lines_are_told_by_number() {
+    fn boxes_in_words_are_people_and_errors_name_the_line() {
         let text = "\n{\"request\": {\"frame\": {\"sequence\": \"\", \"frame\": 0}, \"prompt\": \"?\"}, \
              \"reply\": {\"text\": \"[{\\\"bbox_2d\\\": [1, 2, 5, 20]}]\"}}";
         let read = Exchange::read_lines(text).unwrap();
-        let played = play(&read, &FrameId::default(), IMAGE);
-        assert_eq!(played.detections[0].bbox, PixelBox::from([1.0, 2.0, 4.0, 18.0]));
+        let replayed = replay(&read, &FrameId::default(), IMAGE);
+        assert_eq!(replayed.detections[0].bbox, PixelBox::from([1.0, 2.0, 4.0, 18.0]));
         let error = Exchange::read_lines("{}\n").unwrap_err().to_string();
         assert!(error.contains("line 1"), "{error}");
     }

@@ -1,8 +1,8 @@
-//! An engine for unit tests: no graph, the same outputs always.
+//! An engine for unit tests: no graph, always the same outputs.
 
-use crate::engine::{Engine, EngineError, Tensor};
+use crate::engine::{DeviceTensor, Engine, EngineError, Input, Tensor};
 
-/// Answers every run with these outputs, whatever is asked.
+/// Returns these outputs from every run.
 #[derive(Debug)]
 pub(crate) struct Fixed(pub Vec<Tensor>);
 
@@ -19,7 +19,11 @@ impl Engine for Fixed {
         &[]
     }
 
-    fn run(&self, _: &[(&str, &Tensor)], _: &[&str]) -> Result<Vec<Tensor>, EngineError> {
-        Ok(self.0.clone())
+    fn run_on_device(
+        &self,
+        _: &[(&str, Input<'_>)],
+        _: &[&str],
+    ) -> Result<Vec<DeviceTensor>, EngineError> {
+        Ok(self.0.iter().cloned().map(DeviceTensor::from).collect())
     }
 }

@@ -1,9 +1,20 @@
-//! Boxes with names as detections.
+//! Boxes with categories, and detections numbered from them.
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Attributes, Detection, EntityId, PixelBox};
 
-/// Words for people: what the model calls so is a person.
+/// A box with the category of what it shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CategoryBox {
+    /// Pixels of the image.
+    pub bbox: PixelBox,
+    /// Confidence in `[0, 1]`.
+    pub score: f64,
+    /// `person`, or the name of an object.
+    pub category: String,
+}
+
+/// Words for people; a label that is one of them becomes `person`.
 const PEOPLE: [&str; 11] = [
     "person",
     "people",
@@ -24,15 +35,16 @@ pub(crate) fn category(label: &str) -> String {
     if PEOPLE.contains(&words.as_str()) { PERSON.into() } else { words }
 }
 
-/// Detections, people first, each kind numbered from left to right.
-pub(crate) fn numbered(mut found: Vec<(PixelBox, f64, String)>) -> Vec<Detection> {
+/// Detections, people first, each category numbered from left to right.
+pub(crate) fn numbered(mut found: Vec<CategoryBox>) -> Vec<Detection> {
     found.sort_by(|a, b| {
-        let kinds = (a.2 != PERSON).cmp(&(b.2 != PERSON)).then(a.2.cmp(&b.2));
-        kinds.then(a.0.x.total_cmp(&b.0.x)).then(a.0.y.total_cmp(&b.0.y))
+        let kinds = (a.category != PERSON).cmp(&(b.category != PERSON));
+        let kinds = kinds.then(a.category.cmp(&b.category));
+        kinds.then(a.bbox.x.total_cmp(&b.bbox.x)).then(a.bbox.y.total_cmp(&b.bbox.y))
     });
     let mut number = 0;
     let mut last = String::new();
-    let detection = |(bbox, score, category): (PixelBox, f64, String)| {
+    let detection = |CategoryBox { bbox, score, category }: CategoryBox| {
         number = if category == last { number + 1 } else { 1 };
         last.clone_from(&category);
         Detection {
@@ -67,8 +79,11 @@ mod tests {
 
     #[test]
     fn people_and_things_are_numbered_each_from_left_to_right() {
-        let at =
-            |x: f64, category: &str| (PixelBox::from([x, 0.0, 5.0, 5.0]), 0.5, category.into());
+        let at = |x: f64, category: &str| CategoryBox {
+            bbox: PixelBox::from([x, 0.0, 5.0, 5.0]),
+            score: 0.5,
+            category: category.into(),
+        };
         let found = numbered(vec![at(9.0, "chair"), at(30.0, "person"), at(10.0, "person")]);
         let ids: Vec<String> = found.iter().map(|d| d.id.to_string()).collect();
         assert_eq!(ids, ["chair:1", "person:1", "person:2"]);

@@ -1,4 +1,4 @@
-//! Perception as a pipeline asks it: one image in, detections with attributes out.
+//! Perception as the pipeline uses it: one image in, detections with attributes out.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -26,8 +26,8 @@ pub trait Perceive: Send + Sync {
     /// The people and objects of one frame.
     ///
     /// # Errors
-    /// When a model fails, or the source cannot be used for this frame. A frame about which the source has nothing
-    /// yields no detections and an issue.
+    /// When a model fails, or the source cannot be used for this frame. A frame that the source
+    /// does not know yields no detections and an issue.
     fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError>;
 
     /// Whether pixels are needed: otherwise images need not be decoded.
@@ -39,14 +39,14 @@ pub trait Perceive: Send + Sync {
     /// Every setting that shapes the detections, for the artefact's `config`.
     fn config(&self) -> serde_json::Value;
 
-    /// The model that takes whole sentences, if there is one.
+    /// The model that takes whole sentences, if any.
     fn grounder(&self) -> Option<&dyn Grounder>;
 
-    /// The model that describes people, if there is one: it can be asked again about a crop.
+    /// The model that describes people, if any. It can describe a crop again later.
     fn attribute_model(&self) -> Option<&dyn AttributeModel>;
 }
 
-/// No detections, and why.
+/// No detections, with the reason as an issue.
 #[must_use]
 pub fn nothing_seen(frame: &FrameId, image: ImageGeometry, why: String) -> Detections {
     let issues = vec![Issue::new(IssueKind::MissingInput, why)];
@@ -61,7 +61,7 @@ pub struct KnownDetections {
 }
 
 impl KnownDetections {
-    /// These detections; of two for one frame the last counts.
+    /// These detections. Of two for one frame the last counts.
     #[must_use]
     pub fn new(detections: impl IntoIterator<Item = Detections>) -> Self {
         let frames = detections.into_iter().map(|one| (one.frame.clone(), one)).collect();
@@ -107,7 +107,7 @@ pub struct Models {
     pub attributes: Option<Arc<dyn AttributeModel>>,
     /// Takes whole sentences.
     pub grounder: Option<Arc<dyn Grounder>>,
-    /// All that shapes the detections.
+    /// Every setting that shapes the detections.
     pub config: serde_json::Value,
 }
 
@@ -145,7 +145,8 @@ impl Perceive for Models {
     }
 }
 
-/// Fills in what a model believes of every person. A person on whom it fails stays undescribed, and an issue says so.
+/// Adds the attributes of every person. If the model fails on a person, the attributes stay unknown
+/// and an issue reports the error.
 fn describe(detections: &mut Detections, image: &Image, model: &dyn AttributeModel) {
     let look = |detection: &Detection| {
         let is_person = detection.category == PERSON;

@@ -9,12 +9,11 @@ use std::path::Path;
 
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
-use jrdb_perception::decode::{DecodeConfig, EndTokens};
 use jrdb_perception::florence2::{
     Answer, DecoderParts, Florence2, Florence2Config, Florence2Parts, Grammar, Labelled, Region,
     Reply, Task,
 };
-use jrdb_perception::tokens::Tokens;
+use jrdb_perception::generation::{DecodeConfig, EndTokens, Tokens};
 use serde_json::{Value, json};
 
 const FOLDER: &str = "florence2_tiny";

@@ -7,8 +7,8 @@ mod onnxruntime;
 
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
+use jrdb_perception::generation::Tokens;
 use jrdb_perception::grounding_dino::{CanvasConfig, Grounded, GroundingConfig, GroundingDino};
-use jrdb_perception::tokens::Tokens;
 use serde_json::Value;
 
 const FOLDER: &str = "mm_grounding_dino_tiny";
@@ -55,23 +55,23 @@ fn conformance_grounding_dino_boxes_and_phrases() {
             pixels = pixels.max(worst(&case["pixel_values"], shape, data));
             assert_eq!(prepared.size_px.map(|n| n as u32).to_vec(), ids(&case["resized_wh"]));
 
-            let looked = model.look(&image, &prompt).unwrap();
-            let rows = looked.logits.chunks(looked.columns).flat_map(|row| &row[..prompt.len()]);
+            let output = model.look(&image, &prompt).unwrap();
+            let rows = output.logits.chunks(output.columns).flat_map(|row| &row[..prompt.len()]);
             let finite: Vec<f32> = rows.copied().collect();
             logits = logits.max(worst(
                 &case["logits_finite"],
-                &[looked.boxes.len(), prompt.len()],
+                &[output.boxes.len(), prompt.len()],
                 &finite,
             ));
-            let flat = looked.boxes.as_flattened();
-            boxes = boxes.max(worst(&case["pred_boxes"], &[looked.boxes.len(), 4], flat));
+            let flat = output.boxes.as_flattened();
+            boxes = boxes.max(worst(&case["pred_boxes"], &[output.boxes.len(), 4], flat));
 
             let config = GroundingConfig {
                 threshold: case["threshold"].as_f64().unwrap(),
                 text_threshold: case["text_threshold"].as_f64().unwrap(),
             };
             let size_px = [image.width as f64, image.height as f64];
-            let found = model.grounded(&looked, &prompt, size_px, &config).unwrap();
+            let found = model.grounded(&output, &prompt, size_px, &config).unwrap();
             right += usize::from(is_told(&found, &case["post"]));
         }
         println!(

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
-use jrdb_perception::tokens::Tokens;
+use jrdb_perception::generation::Tokens;
 use jrdb_perception::vlm::{InternVlConfig, Vlm, VlmParts};
 use serde_json::Value;
 

@@ -4,8 +4,7 @@
 
 use std::path::{Path, PathBuf};
 
-use jrdb_perception::resize::{Filter, Region, Resizer, resize};
-use jrdb_perception::tensor::{Layout, Normalise};
+use jrdb_perception::image::{Filter, Layout, Normalise, Region, Resizer, resize};
 use jrdb_types::Image;
 use serde_json::Value;
 use sha2::{Digest, Sha256};

@@ -1,6 +1,6 @@
 //! Pictures to train and to measure models of perception on.
 
-use jrdb_perception::crop::crop;
+use jrdb_perception::image::{Wrap, crop};
 use jrdb_types::{Image, PixelBox};
 
 use super::random::Random;
@@ -49,7 +49,7 @@ impl Practice {
     pub fn tile(&self, x_px: usize) -> Image {
         let (x, h) = (x_px as f64, self.view.image.height as f64);
         let bbox = PixelBox { x, y: 0.0, w: TILE_PX as f64, h };
-        crop(&self.view.image, &bbox, 0.0, true).expect("a tile has pixels")
+        crop(&self.view.image, &bbox, 0.0, Wrap::Circular).expect("a tile has pixels")
     }
 
     /// Everybody of whom enough is seen, as the place among the people of the view, with a picture. The sides of the boxes are moved at
@@ -59,7 +59,9 @@ impl Practice {
         for (person, seen) in self.view.people.iter().enumerate() {
             if self.view.visible(seen) >= VISIBLE_MIN {
                 let bbox = jittered(seen.bbox, jitter, &mut self.random);
-                crops.extend(crop(&self.view.image, &bbox, 0.0, true).map(|image| (person, image)));
+                crops.extend(
+                    crop(&self.view.image, &bbox, 0.0, Wrap::Circular).map(|image| (person, image)),
+                );
             }
         }
         crops

@@ -11,9 +11,9 @@ use jrdb_cli::output::write;
 use jrdb_cli::source::{FrameSource, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
-use jrdb_perception::crop::crop;
 use jrdb_perception::exchange::{Exchange, FIND, Request};
-use jrdb_perception::vlm::Topic;
+use jrdb_perception::image::crop;
+use jrdb_perception::prompts::Topic;
 use jrdb_pipeline::Pipeline;
 use jrdb_types::{FrameId, Image};
 
@@ -104,7 +104,7 @@ fn of(
             (last, number) = (Some(bbox), number + 1);
         }
         let name = format!("{}_{number:03}.png", stem(&frame.id));
-        if let Some(cut) = crop(image, &bbox, args.margin, frame.robot.image().wraps) {
+        if let Some(cut) = crop(image, &bbox, args.margin, frame.robot.image().into()) {
             picture(&args.out.join(&name), &cut)?;
             line.request.image = Some(name);
         }

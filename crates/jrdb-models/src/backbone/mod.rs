@@ -12,11 +12,11 @@ use jrdb_perception::florence2::{
     DecoderParts, Florence2, Florence2Config, Florence2Parts, FlorenceDetector,
     FlorenceDetectorConfig,
 };
+use jrdb_perception::generation::Tokens;
 use jrdb_perception::grounding_dino::{
     CanvasConfig, GroundingDetector, GroundingDetectorConfig, GroundingDino,
 };
-use jrdb_perception::sweep::SweepConfig;
-use jrdb_perception::tokens::Tokens;
+use jrdb_perception::tiling::PanoramaConfig;
 use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
@@ -159,7 +159,7 @@ impl Backbone {
             | DetectorFiles::GroundingDino {
                 settings: GroundingDetectorConfig { tiles, .. },
                 ..
-            } => *tiles = SweepConfig::one_tile(),
+            } => *tiles = PanoramaConfig::one_tile(),
             DetectorFiles::Ssdlite(_) | DetectorFiles::Pair(_) => {}
         }
         single

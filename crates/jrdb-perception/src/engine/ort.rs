@@ -6,12 +6,11 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
 use ort::environment::Environment;
 use ort::session::{Session, SessionInputValue, SessionOutputs};
-use ort::value::{DynValue, TensorRef};
 
-use super::held::Inner;
-use super::{Cause, Engine, EngineError, Held, Input, Tensor, check_call};
-
-const NAME: &str = "onnxruntime";
+use super::device_tensor::{DeviceTensor, Input};
+use super::error::{Cause, EngineError};
+use super::interface::{Engine, check_call};
+use super::ort_value::{NAME, OrtValue, failed, given};
 
 /// An ONNX Runtime library in use by this process. Copies refer to the same library.
 #[derive(Clone)]
@@ -30,12 +29,12 @@ impl fmt::Debug for OrtLibrary {
 }
 
 impl OrtLibrary {
-    /// Loads the library from a file (`libonnxruntime.so`, `.dylib`, `onnxruntime.dll`). Loading the same
-    /// path again gives the same library.
+    /// Loads the library from a file (`libonnxruntime.so`, `.dylib`, `onnxruntime.dll`). Loading
+    /// the same path again returns the same library.
     ///
     /// # Errors
-    /// [`EngineError::Library`] if the file cannot be used, [`EngineError::SecondLibrary`] if another one
-    /// is in use.
+    /// [`EngineError::Library`] if the file cannot be used, [`EngineError::SecondLibrary`] if
+    /// another one is in use.
     pub fn load(path: &Path) -> Result<Self, EngineError> {
         let mut loaded = LOADED.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(library) = loaded.as_ref() {
@@ -53,25 +52,26 @@ impl OrtLibrary {
         Ok(library)
     }
 
-    /// The file, as it was given.
+    /// The path from which it was loaded.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.path
     }
 }
 
-/// How calls that come at once share a model. A session runs one call at a time and has memory of its own.
+/// How concurrent calls share a model. A session runs one call at a time and has its own memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sessions {
-    /// A session for every call at once, each on this many threads (0: as many as there are cores). With 1 the caller decides how
-    /// much runs at once. For small models.
+    /// One session per concurrent call, each with this many threads (0: one per core). With 1 the
+    /// caller controls the parallelism. For small models.
     PerCall {
         /// Threads of each session.
         threads: usize,
     },
-    /// One session, for which further calls wait. For models whose weights should be in memory once.
+    /// One session; concurrent calls wait for it. For models whose weights should be in memory only
+    /// once.
     One {
-        /// Its threads (0: as many as there are cores).
+        /// Its threads (0: one per core).
         threads: usize,
     },
 }
@@ -103,11 +103,11 @@ impl fmt::Debug for OrtEngine {
 }
 
 impl OrtEngine {
-    /// Reads an ONNX model. Each run uses `intra_threads` threads (0: as many as there are cores); with 1 the
-    /// caller decides how much runs at once.
+    /// Reads an ONNX model. Each run uses `intra_threads` threads (0: one per core); with 1 the
+    /// caller controls the parallelism.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the bytes are no ONNX model that the library knows.
+    /// [`EngineError::Model`] if the library cannot load the bytes as an ONNX model.
     pub fn from_onnx(
         library: &OrtLibrary,
         bytes: &[u8],
@@ -117,10 +117,11 @@ impl OrtEngine {
         Self::open(library, Source::Bytes(bytes.to_vec()), sessions)
     }
 
-    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file must stay.
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file must
+    /// stay.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the file is no ONNX model that the library knows.
+    /// [`EngineError::Model`] if the library cannot load the file as an ONNX model.
     pub fn from_file(
         library: &OrtLibrary,
         path: &Path,
@@ -166,17 +167,17 @@ impl OrtEngine {
         }
     }
 
-    /// Runs a session and gives its outputs to `read`.
+    /// Runs a session and passes its outputs to `read`.
     fn with_outputs<T>(
         &self,
         inputs: &[(&str, Input<'_>)],
         outputs: &[&str],
         read: impl FnOnce(SessionOutputs<'_>) -> Result<T, EngineError>,
     ) -> Result<T, EngineError> {
-        check_call(inputs, outputs, &self.inputs, &self.outputs)?;
+        check_call(self, inputs, outputs)?;
         let values = inputs
             .iter()
-            .map(|(name, input)| Ok(((*name).to_owned(), value(name, *input)?)))
+            .map(|(name, input)| Ok(((*name).to_owned(), given(name, *input)?)))
             .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
         let mut session = self.take()?;
         let result = session.run(values).map_err(failed).and_then(read);
@@ -193,7 +194,8 @@ impl OrtEngine {
 fn open(library: &OrtLibrary, source: &Source, sessions: Sessions) -> Result<Session, EngineError> {
     let refused = |source: Cause| EngineError::Model { engine: NAME, source };
     let (Sessions::PerCall { threads } | Sessions::One { threads }) = sessions;
-    // The builder's errors carry the builder, which may not leave this thread: only their text goes on.
+    // The builder's errors carry the builder, which may not leave this thread: only their text goes
+    // on.
     let mut builder = Session::builder(&library.environment)
         .map_err(|e| refused(e.into()))?
         .with_intra_threads(threads)
@@ -203,10 +205,6 @@ fn open(library: &OrtLibrary, source: &Source, sessions: Sessions) -> Result<Ses
         Source::File(path) => builder.commit_from_file(path),
     }
     .map_err(|e| refused(e.into()))
-}
-
-fn failed(source: impl Into<Cause>) -> EngineError {
-    EngineError::Run { engine: NAME, source: source.into() }
 }
 
 impl Engine for OrtEngine {
@@ -222,82 +220,17 @@ impl Engine for OrtEngine {
         &self.outputs
     }
 
-    fn run(
-        &self,
-        inputs: &[(&str, &Tensor)],
-        outputs: &[&str],
-    ) -> Result<Vec<Tensor>, EngineError> {
-        let inputs: Vec<(&str, Input<'_>)> =
-            inputs.iter().map(|(name, tensor)| (*name, Input::Tensor(tensor))).collect();
-        self.with_outputs(&inputs, outputs, |found| {
-            let read =
-                |name: &&str| tensor(found.get(name).ok_or_else(|| self.unknown(name))?, name);
-            outputs.iter().map(read).collect()
-        })
-    }
-
-    fn run_held(
+    fn run_on_device(
         &self,
         inputs: &[(&str, Input<'_>)],
         outputs: &[&str],
-    ) -> Result<Vec<Held>, EngineError> {
+    ) -> Result<Vec<DeviceTensor>, EngineError> {
         self.with_outputs(inputs, outputs, |mut found| {
             let mut take = |name: &&str| {
                 let value = found.remove(name).ok_or_else(|| self.unknown(name))?;
-                Ok(Held(Inner::Ort(value)))
+                Ok(DeviceTensor::new(OrtValue(value)))
             };
             outputs.iter().map(&mut take).collect()
         })
     }
-}
-
-fn value<'a>(name: &str, input: Input<'a>) -> Result<SessionInputValue<'a>, EngineError> {
-    match input {
-        Input::Tensor(tensor) => view(tensor).map_err(failed),
-        Input::Held(Held(Inner::Ort(value))) => Ok(value.into()),
-        Input::Held(_) => Err(EngineError::Type {
-            name: name.into(),
-            source: "it is held by another engine".into(),
-        }),
-    }
-}
-
-fn view(tensor: &Tensor) -> ort::Result<SessionInputValue<'_>> {
-    Ok(match tensor {
-        Tensor::F32 { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-        Tensor::I64 { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-        Tensor::Bool { shape, data } => {
-            TensorRef::from_array_view((shape.clone(), data.as_slice()))?.into()
-        }
-    })
-}
-
-fn lengths(shape: &[i64]) -> Vec<usize> {
-    shape.iter().map(|&axis| axis.unsigned_abs() as usize).collect()
-}
-
-/// Shape and numbers of a value of 32-bit floats.
-pub(super) fn floats<'a>(
-    value: &'a DynValue,
-    name: &str,
-) -> Result<(Vec<usize>, &'a [f32]), EngineError> {
-    let (shape, data) = value
-        .try_extract_tensor::<f32>()
-        .map_err(|e| EngineError::Type { name: name.into(), source: e.into() })?;
-    Ok((lengths(shape), data))
-}
-
-pub(super) fn tensor(value: &DynValue, name: &str) -> Result<Tensor, EngineError> {
-    if let Ok((shape, data)) = value.try_extract_tensor::<i64>() {
-        return Ok(Tensor::I64 { shape: lengths(shape), data: data.to_vec() });
-    }
-    if let Ok((shape, data)) = value.try_extract_tensor::<bool>() {
-        return Ok(Tensor::Bool { shape: lengths(shape), data: data.to_vec() });
-    }
-    let (shape, data) = floats(value, name)?;
-    Ok(Tensor::F32 { shape, data: data.to_vec() })
 }

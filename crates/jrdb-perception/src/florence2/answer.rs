@@ -1,9 +1,10 @@
 //! Reads Florence-2's answers: words and location tags to boxes, polygons and labels.
 //!
-//! The rules are the reference implementation's, oddities included: a label is whatever stands before its locations, even the
-//! rest of a tag. Coordinates stay fractions of a pixel, where the reference cuts them to whole ones.
+//! The rules are the reference implementation's, oddities included: a label is whatever stands
+//! before its locations, even the rest of a tag. Coordinates stay fractions of a pixel, where the
+//! reference cuts them to whole ones.
 
-use super::task::BINS;
+use super::location::BINS;
 
 /// How an answer is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +15,8 @@ pub enum Grammar {
     LabelledBoxes,
     /// Four locations.
     Boxes,
-    /// As [`Grammar::LabelledBoxes`]; labels that point to nothing in particular ("it") are left out.
+    /// As [`Grammar::LabelledBoxes`]; labels that point to nothing in particular ("it") are left
+    /// out.
     GroundedPhrases,
     /// As [`Grammar::LabelledBoxes`], or labels with polygons if there is a `<poly>`.
     BoxesOrPolygons,
@@ -24,12 +26,13 @@ pub enum Grammar {
     Quads,
 }
 
-/// What an answer says. Coordinates are pixels of the picture asked about.
+/// The content of an answer. Coordinates are pixels of the picture.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Answer {
     /// Words.
     Text(String),
-    /// Boxes by their corners x0, y0, x1, y1. They are as the model said them: perhaps inverted or empty.
+    /// Boxes by their corners x0, y0, x1, y1. They are as the model wrote them and may be inverted
+    /// or empty.
     Boxes(Vec<Labelled<[f64; 4]>>),
     /// Outlines, each of one or several polygons of x, y pairs.
     Polygons(Vec<Labelled<Vec<Vec<f64>>>>),
@@ -37,7 +40,7 @@ pub enum Answer {
     Quads(Vec<Labelled<[f64; 8]>>),
 }
 
-/// A place and what it is called.
+/// A location with its label.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Labelled<T> {
     /// Its name; empty where answers carry none.
@@ -47,7 +50,8 @@ pub struct Labelled<T> {
 }
 
 impl Grammar {
-    /// Reads an answer about a picture of this size. `no_phrases` are labels that do not count as grounded phrases.
+    /// Reads an answer about a picture of this size. `no_phrases` are labels that do not count as
+    /// grounded phrases.
     #[must_use]
     pub fn read(self, text: &str, size_px: [f64; 2], no_phrases: &[String]) -> Answer {
         let text =

@@ -1,11 +1,11 @@
-//! What a Florence-2 folder says of its model: sizes, ids, preprocessing, decoding.
+//! The settings in the folder of a Florence-2 model: sizes, ids, preprocessing, decoding.
 
 use serde::Deserialize;
 
-use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
-use crate::picture::PictureConfig;
-use crate::tokens::parse_json;
+use crate::generation::DecodeConfig;
+use crate::image::PictureConfig;
+use crate::json::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,7 +20,7 @@ pub struct Florence2Config {
     pub decode: DecodeConfig,
     /// The token that answers begin with.
     pub start_token: u32,
-    /// Phrases that point to nothing in particular and are no answer of phrase grounding.
+    /// Phrases without a specific referent; phrase grounding skips them.
     pub no_phrases: Vec<String>,
 }
 
@@ -129,11 +129,11 @@ fn two() -> u32 {
 }
 
 impl Florence2Config {
-    /// Reads the texts of `config.json`, `generation_config.json`, `preprocessor_config.json` and, where there is one,
-    /// `processor_config.json`.
+    /// Reads the texts of `config.json`, `generation_config.json`, `preprocessor_config.json` and,
+    /// where there is one, `processor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if one of them is not what its name says.
+    /// [`PerceptionError::File`] if one of them does not have the content that its name promises.
     pub fn from_json(
         config: &str,
         generation: &str,

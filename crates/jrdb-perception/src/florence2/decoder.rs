@@ -1,13 +1,14 @@
 //! The text decoder, one token at a time, with its caches left in the engine's memory.
 
-use crate::decode::Logits;
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Held, Input, Tensor};
+use crate::engine::{DeviceTensor, Engine, Input, Tensor};
+use crate::generation::Logits;
 
 /// The graphs that decode.
 #[derive(Debug)]
 pub enum DecoderParts {
-    /// `decoder_model` for the first token, which makes the caches, and `decoder_with_past_model` for the others.
+    /// `decoder_model` for the first token, which makes the caches, and `decoder_with_past_model`
+    /// for the others.
     Split {
         /// Without caches.
         first: Box<dyn Engine>,
@@ -23,7 +24,7 @@ pub(super) struct Decoder {
     parts: DecoderParts,
     /// Names of the caches without the prefix, those of the text first: `0.decoder.key`.
     own: Vec<String>,
-    /// Those of what the encoder gave: `0.encoder.key`.
+    /// Those of the encoder's output: `0.encoder.key`.
     cross: Vec<String>,
     /// Names of all caches as inputs, those of the text first.
     past: Vec<String>,
@@ -33,17 +34,17 @@ pub(super) struct Decoder {
     head_width: usize,
 }
 
-/// Where a search is: what is attended to, and the caches after the last step.
+/// The state of a search: the encoder's output, and the caches after the last step.
 pub(super) struct State<'a> {
     hidden: &'a Tensor,
     mask: &'a Tensor,
-    own: Vec<Held>,
-    cross: Vec<Held>,
+    own: Vec<DeviceTensor>,
+    cross: Vec<DeviceTensor>,
     /// For how many sequences the mask and `cross` are repeated.
     rows: usize,
     repeated_mask: Option<Tensor>,
     repeated_hidden: Option<Tensor>,
-    repeated: Vec<Held>,
+    repeated: Vec<DeviceTensor>,
 }
 
 const PAST: &str = "past_key_values.";
@@ -92,7 +93,8 @@ impl Decoder {
         }
     }
 
-    /// The scores after one more token of each sequence, which continues the given row of the last step.
+    /// The scores after one more token of each sequence, which continues the given row of the last
+    /// step.
     pub(super) fn step(
         &self,
         state: &mut State<'_>,
@@ -116,7 +118,11 @@ impl Decoder {
         Ok(logits)
     }
 
-    fn first(&self, state: &State<'_>, embeds: &Tensor) -> Result<Vec<Held>, PerceptionError> {
+    fn first(
+        &self,
+        state: &State<'_>,
+        embeds: &Tensor,
+    ) -> Result<Vec<DeviceTensor>, PerceptionError> {
         let mut inputs: Vec<(&str, Input<'_>)> = vec![
             ("encoder_attention_mask", state.mask.into()),
             ("encoder_hidden_states", state.hidden.into()),
@@ -138,7 +144,7 @@ impl Decoder {
         state: &mut State<'_>,
         embeds: &Tensor,
         rows: &[usize],
-    ) -> Result<Vec<Held>, PerceptionError> {
+    ) -> Result<Vec<DeviceTensor>, PerceptionError> {
         state.follow(rows, &self.own)?;
         state.repeat(rows.len(), &self.cross)?;
         let outputs = &self.outputs[..=self.own.len()];
@@ -172,20 +178,21 @@ impl State<'_> {
     fn follow(&mut self, rows: &[usize], names: &[String]) -> Result<(), PerceptionError> {
         let stays = rows.iter().copied().eq(0..self.rows.max(1));
         if !stays {
-            let pick = |(held, name): (&Held, &String)| held.pick(name, rows);
-            self.own = self.own.iter().zip(names).map(pick).collect::<Result<_, _>>()?;
+            let gather = |(cache, name): (&DeviceTensor, &String)| cache.gather_rows(name, rows);
+            self.own = self.own.iter().zip(names).map(gather).collect::<Result<_, _>>()?;
         }
         Ok(())
     }
 
-    /// Repeats what belongs to the picture for so many sequences.
+    /// Repeats the tensors of the picture for this many sequences.
     fn repeat(&mut self, rows: usize, names: &[String]) -> Result<(), PerceptionError> {
         if rows == self.rows.max(1) {
             self.rows = rows;
             return Ok(());
         }
-        let pick = |(held, name): (&Held, &String)| held.pick(name, &vec![0; rows]);
-        self.repeated = self.cross.iter().zip(names).map(pick).collect::<Result<_, _>>()?;
+        let gather =
+            |(cache, name): (&DeviceTensor, &String)| cache.gather_rows(name, &vec![0; rows]);
+        self.repeated = self.cross.iter().zip(names).map(gather).collect::<Result<_, _>>()?;
         self.repeated_mask = Some(repeat(self.mask, rows));
         self.repeated_hidden = Some(repeat(self.hidden, rows));
         self.rows = rows;
@@ -201,12 +208,12 @@ fn run(
     engine: &dyn Engine,
     inputs: &[(&str, Input<'_>)],
     outputs: &[String],
-) -> Result<Vec<Held>, PerceptionError> {
+) -> Result<Vec<DeviceTensor>, PerceptionError> {
     let outputs: Vec<&str> = outputs.iter().map(String::as_str).collect();
-    Ok(engine.run_held(inputs, &outputs)?)
+    Ok(engine.run_on_device(inputs, &outputs)?)
 }
 
-/// A tensor `[1, ..]` so many times.
+/// A tensor `[1, ..]`, repeated `rows` times.
 fn repeat(tensor: &Tensor, rows: usize) -> Tensor {
     let longer = |shape: &[usize]| [&[rows], &shape[1..]].concat();
     match tensor {
@@ -223,7 +230,7 @@ fn repeat(tensor: &Tensor, rows: usize) -> Tensor {
 }
 
 /// The scores of the last place of each row, from f32 `[rows, places, vocabulary]`.
-fn last_rows(logits: &Held) -> Result<Logits, PerceptionError> {
+fn last_rows(logits: &DeviceTensor) -> Result<Logits, PerceptionError> {
     let (shape, data) = logits.floats("logits")?;
     let &[_, places, vocabulary] = shape.as_slice() else {
         let expected = "f32 [rows, places, vocabulary]".into();

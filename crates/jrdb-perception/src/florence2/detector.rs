@@ -1,37 +1,39 @@
-//! People and things in a panorama by asking Florence-2 about wrapped tiles.
+//! People and objects in a panorama, by Florence-2 on wrapped tiles.
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
-use super::said::{Said, said};
-use super::{Florence2, Task};
+use super::decoded_box::{DecodedBox, decoded_boxes};
+use super::model::Florence2;
+use super::task::Task;
 use crate::detector::{Detector, Grounder, PerceptionError, check_image};
-use crate::merge::Candidate;
+use crate::image::Region;
 use crate::numbered::category;
-use crate::resize::Region;
-use crate::sweep::SweepConfig;
-use crate::tiles::Tile;
+use crate::tiling::Candidate;
+use crate::tiling::PanoramaConfig;
+use crate::tiling::Tile;
 
-/// How things are looked for.
+/// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FlorenceDetectorConfig {
-    /// The task, as Florence-2 writes it: `<OD>` for everything, `<OPEN_VOCABULARY_DETECTION>person` for people.
+    /// The task, as Florence-2 writes it: `<OD>` for everything,
+    /// `<OPEN_VOCABULARY_DETECTION>person` for people.
     pub task: String,
     /// How the panorama is cut into tiles.
-    pub tiles: SweepConfig,
+    pub tiles: PanoramaConfig,
 }
 
 impl Default for FlorenceDetectorConfig {
     /// Everything, on tiles.
     fn default() -> Self {
-        Self { task: "<OD>".into(), tiles: SweepConfig::default() }
+        Self { task: "<OD>".into(), tiles: PanoramaConfig::default() }
     }
 }
 
-/// Finds people and things in images of any size. Tiles run in parallel on the current rayon pool; the result does not depend on its
-/// number of threads.
+/// Detects people and objects in images of any size. Tiles run in parallel on the current rayon
+/// pool; the result does not depend on its number of threads.
 #[derive(Debug)]
 pub struct FlorenceDetector {
     model: Florence2,
@@ -45,8 +47,8 @@ impl FlorenceDetector {
     /// A detector.
     ///
     /// # Errors
-    /// [`PerceptionError::Task`] if the task is none, [`PerceptionError::Setting`] if a setting is out of range,
-    /// [`PerceptionError::Token`] if the vocabulary has no locations.
+    /// [`PerceptionError::Task`] if the task is unknown, [`PerceptionError::Setting`] if a setting
+    /// is out of range, [`PerceptionError::Token`] if the vocabulary has no locations.
     pub fn new(model: Florence2, config: FlorenceDetectorConfig) -> Result<Self, PerceptionError> {
         let task = Task::from_tag(&config.task)
             .ok_or_else(|| PerceptionError::Task { found: config.task.clone() })?;
@@ -62,14 +64,14 @@ impl FlorenceDetector {
         Ok(Self { model, config, prompt, first_location })
     }
 
-    /// The boxes that the model sees in a part of a picture, in pixels of that part, as it said them.
+    /// The boxes that the model writes for a part of a picture, in pixels of that part.
     ///
     /// # Errors
     /// When the picture has no pixels or a graph fails.
     ///
     /// # Panics
     /// When the part is not in the picture.
-    pub fn look(&self, image: &Image, part: Region) -> Result<Vec<Said>, PerceptionError> {
+    pub fn look(&self, image: &Image, part: Region) -> Result<Vec<DecodedBox>, PerceptionError> {
         self.look_for(image, part, &self.prompt)
     }
 
@@ -78,23 +80,23 @@ impl FlorenceDetector {
         image: &Image,
         part: Region,
         prompt: &[u32],
-    ) -> Result<Vec<Said>, PerceptionError> {
+    ) -> Result<Vec<DecodedBox>, PerceptionError> {
         check_image(image)?;
         let config = self.model.config();
         let seen = self.model.see(&config.picture.prepare_part(image, part))?;
         let sequence = self.model.answer(&seen, prompt, &config.decode)?;
         let size_px = [part.width_px as f64, part.height_px as f64];
-        let found = said(&sequence, self.first_location, size_px);
+        let decoded = decoded_boxes(&sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
-        found.into_iter().map(|one| one.labelled(label)).collect()
+        decoded.into_iter().map(|one| one.labelled(label)).collect()
     }
 }
 
 impl Detector for FlorenceDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
-        self.config.tiles.sweep(image, frame, |tile| {
-            let said = self.look(image, Region::of_tile(tile, image))?;
-            Ok(said.iter().filter_map(|one| candidate(one, tile)).collect())
+        self.config.tiles.detect(image, frame, |tile| {
+            let found = self.look(image, tile.region(image))?;
+            Ok(found.iter().filter_map(|one| candidate(one, tile)).collect())
         })
     }
 
@@ -109,7 +111,7 @@ impl Detector for FlorenceDetector {
 }
 
 impl Grounder for FlorenceDetector {
-    /// Open-vocabulary detection of the sentence; what it means is taken for people.
+    /// Open-vocabulary detection of the sentence; all boxes count as people.
     fn ground(
         &self,
         image: &Image,
@@ -119,18 +121,18 @@ impl Grounder for FlorenceDetector {
         let sentence = sentence.trim_end_matches(['.', '?', '!']);
         let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
         let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
-        self.config.tiles.sweep(image, frame, |tile| {
-            let said = self.look_for(image, Region::of_tile(tile, image), &prompt)?;
-            Ok(said.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
+        self.config.tiles.detect(image, frame, |tile| {
+            let found = self.look_for(image, tile.region(image), &prompt)?;
+            Ok(found.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
         })
     }
 }
 
-/// A proper box of a tile; the model may say inverted ones.
-fn candidate(said: &Said, tile: Tile) -> Option<Candidate> {
-    let [x0, y0, x1, y1] = said.corners;
+/// A proper box of a tile; the model may write inverted ones.
+fn candidate(found: &DecodedBox, tile: Tile) -> Option<Candidate> {
+    let [x0, y0, x1, y1] = found.corners;
     let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
-    let category = category(&said.label);
+    let category = category(&found.label);
     let keep = in_tile.is_proper() && !category.is_empty();
-    keep.then_some(Candidate { in_tile, tile, score: said.score, category })
+    keep.then_some(Candidate { in_tile, tile, score: found.score, category })
 }

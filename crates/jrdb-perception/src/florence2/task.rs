@@ -1,6 +1,7 @@
-//! What Florence-2 can be asked, and the sentence it was trained to be asked with.
+//! The tasks of Florence-2, and the prompt of each.
 
 use super::answer::Grammar;
+use super::location::Region;
 
 /// A task; those that are about something carry it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -11,17 +12,17 @@ pub enum Task {
     DenseRegionCaption,
     /// Boxes without names.
     RegionProposal,
-    /// What is called so: boxes, or polygons where the model prefers them.
+    /// The objects with this name: boxes, or polygons where the model prefers them.
     OpenVocabularyDetection(String),
     /// Boxes of the phrases in a sentence.
     PhraseGrounding(String),
-    /// The outline of what the words mean.
+    /// The outline of the object that the words refer to.
     ReferringSegmentation(String),
-    /// The name of what is in a region.
+    /// The category of a region.
     RegionToCategory(Region),
-    /// A description of what is in a region.
+    /// A description of a region.
     RegionToDescription(Region),
-    /// The outline of what is in a region.
+    /// The outline of the object in a region.
     RegionToSegmentation(Region),
     /// The writing in a region.
     RegionToOcr(Region),
@@ -37,32 +38,9 @@ pub enum Task {
     OcrWithRegion,
 }
 
-/// A box in location bins: x0, y0, x1, y1 in 0..=999.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region(pub [u16; 4]);
-
-/// Bins per side of the picture.
-pub(super) const BINS: f64 = 1000.0;
-
-impl Region {
-    /// The bins of a box given by its corners, pixels of a picture of that size.
-    ///
-    /// ```
-    /// use jrdb_perception::florence2::Region;
-    /// assert_eq!(Region::from_corners([3.76, 0.48, 7.52, 480.0], [3760.0, 480.0]).0, [1, 1, 2, 999]);
-    /// ```
-    #[must_use]
-    pub fn from_corners(corners: [f64; 4], size_px: [f64; 2]) -> Self {
-        let bin = |axis: usize| {
-            let bins = corners[axis] / (size_px[axis % 2] / BINS);
-            bins.floor().clamp(0.0, BINS - 1.0) as u16
-        };
-        Self([bin(0), bin(1), bin(2), bin(3)])
-    }
-}
-
 impl Task {
-    /// The task called so in Florence-2's own notation, `<OD>` or `<OPEN_VOCABULARY_DETECTION>a red bag`.
+    /// The task with this tag in Florence-2's own notation, `<OD>` or `<OPEN_VOCABULARY_DETECTION>a
+    /// red bag`.
     #[must_use]
     pub fn from_tag(text: &str) -> Option<Self> {
         let (tag, input) = text.strip_prefix('<')?.split_once('>')?;
@@ -136,19 +114,6 @@ impl Task {
             Self::OcrWithRegion => Grammar::Quads,
             _ => Grammar::Text,
         }
-    }
-}
-
-impl Region {
-    fn tags(self) -> String {
-        self.0.map(|bin| format!("<loc_{bin}>")).concat()
-    }
-
-    fn from_tags(text: &str) -> Option<Self> {
-        let mut bins = text.strip_prefix("<loc_")?.strip_suffix('>')?.split("><loc_");
-        let mut next = || bins.next()?.parse::<u16>().ok().filter(|bin| f64::from(*bin) < BINS);
-        let region = Self([next()?, next()?, next()?, next()?]);
-        bins.next().is_none().then_some(region)
     }
 }
 

@@ -1,25 +1,25 @@
-//! Things in a panorama by asking for phrases, tile by tile.
+//! People and objects in a panorama, by phrases on each tile.
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
-use super::{GroundingConfig, GroundingDino};
+use super::model::{Grounded, GroundingConfig, GroundingDino};
 use crate::detector::{Detector, Grounder, PerceptionError};
-use crate::merge::Candidate;
 use crate::numbered::category;
-use crate::sweep::SweepConfig;
-use crate::tiled::in_range;
-use crate::tiles::Tile;
+use crate::tiling::Candidate;
+use crate::tiling::PanoramaConfig;
+use crate::tiling::Tile;
+use crate::tiling::tiled::in_range;
 
-/// What is looked for, and how.
+/// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct GroundingDetectorConfig {
-    /// The phrases; what is found is called so. Words for people are all `person`.
+    /// The phrases, which are the categories of the boxes. Words for people become `person`.
     pub phrases: Vec<String>,
     /// How the panorama is cut into tiles.
-    pub tiles: SweepConfig,
+    pub tiles: PanoramaConfig,
     /// Which boxes are taken.
     pub grounding: GroundingConfig,
 }
@@ -29,14 +29,14 @@ impl Default for GroundingDetectorConfig {
     fn default() -> Self {
         Self {
             phrases: vec!["person".into()],
-            tiles: SweepConfig::default(),
+            tiles: PanoramaConfig::default(),
             grounding: GroundingConfig::default(),
         }
     }
 }
 
-/// Finds what phrases name in images of any size. Tiles run in parallel on the current rayon pool; the result does not depend on its number
-/// of threads.
+/// Detects the objects that phrases name in images of any size. Tiles run in parallel on the
+/// current rayon pool; the result does not depend on its number of threads.
 #[derive(Debug)]
 pub struct GroundingDetector {
     model: GroundingDino,
@@ -48,7 +48,8 @@ impl GroundingDetector {
     /// A detector.
     ///
     /// # Errors
-    /// [`PerceptionError::Setting`] if a setting is out of range or the phrases are too long together.
+    /// [`PerceptionError::Setting`] if a setting is out of range or the phrases are too long
+    /// together.
     pub fn new(
         model: GroundingDino,
         config: GroundingDetectorConfig,
@@ -60,7 +61,7 @@ impl GroundingDetector {
         Ok(Self { model, config, ids })
     }
 
-    /// What a tile shows of a prompt; `name` gives what a phrase's box is called.
+    /// The boxes of a prompt in a tile; `name` returns the category of a phrase.
     fn look_at_tile(
         &self,
         image: &Image,
@@ -69,10 +70,10 @@ impl GroundingDetector {
         name: &(impl Fn(usize) -> Option<String> + Sync),
     ) -> Result<Vec<Candidate>, PerceptionError> {
         let picture = tile.crop(image);
-        let looked = self.model.look(&picture, ids)?;
+        let output = self.model.look(&picture, ids)?;
         let size_px = [picture.width as f64, picture.height as f64];
-        let found = self.model.grounded(&looked, ids, size_px, &self.config.grounding)?;
-        let candidate = |one: super::Grounded| {
+        let found = self.model.grounded(&output, ids, size_px, &self.config.grounding)?;
+        let candidate = |one: Grounded| {
             let [x0, y0, x1, y1] = one.corners;
             let in_tile = PixelBox { x: x0, y: y0, w: x1 - x0, h: y1 - y0 };
             let category = name(one.phrase)?;
@@ -86,7 +87,7 @@ impl Detector for GroundingDetector {
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError> {
         let name = |phrase: usize| self.config.phrases.get(phrase).map(|words| category(words));
         let look = |tile| self.look_at_tile(image, tile, &self.ids, &name);
-        self.config.tiles.sweep(image, frame, look)
+        self.config.tiles.detect(image, frame, look)
     }
 
     fn config(&self) -> serde_json::Value {
@@ -99,7 +100,7 @@ impl Detector for GroundingDetector {
 }
 
 impl Grounder for GroundingDetector {
-    /// The sentence is one phrase; what it means is taken for people.
+    /// The sentence is one phrase; all boxes count as people.
     fn ground(
         &self,
         image: &Image,
@@ -109,6 +110,6 @@ impl Grounder for GroundingDetector {
         let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
         let ids = self.model.spell(&format!("{sentence}."))?;
         let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
-        self.config.tiles.sweep(image, frame, look)
+        self.config.tiles.detect(image, frame, look)
     }
 }

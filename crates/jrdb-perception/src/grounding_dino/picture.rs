@@ -1,13 +1,14 @@
-//! Pictures as the DETR family wants them: resized to a shortest and a longest side, on a canvas that says where the picture ends.
+//! Preprocessing of the DETR family: a picture resized to a shortest and a longest side, on a
+//! canvas with a mask of its pixels.
 
 use jrdb_types::Image;
 use serde::Deserialize;
 
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
-use crate::picture::{PictureConfig, PictureSize};
-use crate::resize::resize;
-use crate::tokens::parse_json;
+use crate::image::resize;
+use crate::image::{PictureConfig, PictureSize};
+use crate::json::parse_json;
 
 /// How pictures are prepared: the fields of a `preprocessor_config.json` that matter.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +52,8 @@ impl CanvasConfig {
     /// Reads the text of a `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out of range.
+    /// [`PerceptionError::File`] if it is not that, [`PerceptionError::Setting`] if a number is out
+    /// of range.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
         let file: File = parse_json("preprocessor_config.json", text)?;
         let (shortest_px, longest_px) = (file.size.shortest_edge, file.size.longest_edge);
@@ -95,7 +97,8 @@ impl CanvasConfig {
         if width < height { [side, other(height, width)] } else { [other(width, height), side] }
     }
 
-    /// Columns and rows of a picture on the canvas: as the reference resizes it, and smaller where the canvas would not hold that.
+    /// Columns and rows of a picture on the canvas: as the reference resizes it, and smaller where
+    /// the canvas would not hold that.
     fn fitted(&self, size_px: [usize; 2]) -> [usize; 2] {
         let sides = Self::resized(size_px, self.shortest_px, self.longest_px);
         let canvas = [self.picture.size.width, self.picture.size.height];

@@ -4,36 +4,40 @@ use jrdb_types::{Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
-use super::question::{self, Question, Topic, questions};
+use super::model::{PromptState, Vlm};
 use super::score::{free_answer, probabilities, shared_beginning};
-use super::{Read, Vlm};
-use crate::crop::crop;
 use crate::detector::{AttributeModel, PerceptionError, check_image};
+use crate::image::{Wrap, crop};
+use crate::prompts::{Question, Topic, put, questions};
 
 /// How answers are got.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Profile {
-    /// The model writes freely; what it says is looked up in the vocabulary and believed.
+    /// The model writes freely; the label in its answer has probability 1.
     Paper,
-    /// Every word of the vocabulary is weighed as an answer, which gives probabilities and never a word outside.
+    /// Every word of the vocabulary is scored as an answer, which yields probabilities of these
+    /// words only.
     #[default]
     Robust,
 }
 
-/// What is asked, and how.
+/// The questions, and how they are asked.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AttributeConfig {
-    /// What is asked.
+    /// The request.
     pub topics: Vec<Topic>,
     /// How answers are got.
     pub profile: Profile,
-    /// A crop is larger than its box by this part of it on each side; in `[0, 1]`. Default 0.02: boxes are rarely better.
+    /// A crop is larger than its box by this part of it on each side; in `[0, 1]`. Default 0.02:
+    /// boxes are rarely better.
     pub margin: f64,
-    /// Divides log-likelihoods before they become probabilities; above 0. Default 1: the model's own.
+    /// Divides log-likelihoods before they become probabilities; above 0. Default 1: the model's
+    /// own.
     pub temperature: f64,
-    /// Longest free answer, tokens. Default 24: the words of every vocabulary and a sentence around them.
+    /// Longest free answer, tokens. Default 24: the words of every vocabulary and a sentence around
+    /// them.
     pub answer_tokens_max: usize,
     /// Whether the picture is a panorama whose last column borders on the first.
     pub wraps: bool,
@@ -67,7 +71,8 @@ impl VlmAttributes {
     /// A describer.
     ///
     /// # Errors
-    /// [`PerceptionError::Token`] if the vocabulary has no end of a turn, [`PerceptionError::Setting`] if a setting is out of range.
+    /// [`PerceptionError::Token`] if the vocabulary has no end of a turn,
+    /// [`PerceptionError::Setting`] if a setting is out of range.
     pub fn new(vlm: Vlm, family: Family, config: AttributeConfig) -> Result<Self, PerceptionError> {
         let wrong =
             |setting, expected, found| PerceptionError::Setting { setting, expected, found };
@@ -87,7 +92,7 @@ impl VlmAttributes {
         self.vlm.engine_name()
     }
 
-    /// Every setting that shapes what is believed, for the artefact's `config`.
+    /// Every setting that shapes the attributes, for the artefact's `config`.
     #[must_use]
     pub fn config(&self) -> serde_json::Value {
         serde_json::json!({
@@ -97,7 +102,7 @@ impl VlmAttributes {
         })
     }
 
-    /// What is believed of the person who fills a picture.
+    /// The attributes of the person who fills a picture.
     ///
     /// The picture is seen and read once for all questions.
     ///
@@ -120,13 +125,13 @@ impl VlmAttributes {
         let beginning = self.vlm.read(beginning, &shown.features, places.as_deref())?;
         for (question, prompt) in self.questions.iter().zip(&prompts) {
             let read = self.vlm.read_on(&beginning, &prompt[shared..])?;
-            question::put(&mut attributes, question.topic, &self.answer(read, question)?);
+            put(&mut attributes, question.topic, &self.answer(read, question)?);
         }
         Ok(attributes)
     }
 
-    /// Probabilities of the vocabulary's words; all 0 where the answer is none of them.
-    fn answer(&self, read: Read, question: &Question) -> Result<Vec<f64>, PerceptionError> {
+    /// Probabilities of the vocabulary's words; all 0 if the answer contains none of them.
+    fn answer(&self, read: PromptState, question: &Question) -> Result<Vec<f64>, PerceptionError> {
         match self.config.profile {
             Profile::Robust => {
                 let scores = self.vlm.score(&read, &question.labels, self.end)?;
@@ -149,7 +154,7 @@ impl AttributeModel for VlmAttributes {
         detection: &Detection,
     ) -> Result<Attributes, PerceptionError> {
         check_image(image)?;
-        match crop(image, &detection.bbox, self.config.margin, self.config.wraps) {
+        match crop(image, &detection.bbox, self.config.margin, Wrap::of(self.config.wraps)) {
             Some(picture) => self.look(&picture),
             None => Ok(Attributes::default()),
         }

@@ -2,7 +2,7 @@
 
 use super::text_model::TextModel;
 use crate::detector::PerceptionError;
-use crate::engine::{Engine, Held, Input, Tensor};
+use crate::engine::{DeviceTensor, Engine, Input, Tensor};
 
 const PAST: &str = "past_key_values.";
 const PRESENT: &str = "present.";
@@ -26,10 +26,10 @@ pub(super) struct Causal {
     is_spatial: bool,
 }
 
-/// What a decoder remembers of the tokens it has read.
+/// The caches of the tokens that a decoder has read.
 #[derive(Debug)]
 pub struct Cache {
-    held: Vec<Held>,
+    tensors: Vec<DeviceTensor>,
     /// How many tokens.
     length: usize,
     /// The place of the next one, which is smaller where a picture's tokens share places.
@@ -37,10 +37,10 @@ pub struct Cache {
 }
 
 impl Cache {
-    /// The same for so many rows.
+    /// The same, repeated for this many rows.
     pub(super) fn repeated(&self, rows: usize) -> Result<Self, PerceptionError> {
-        let pick = |held: &Held| held.pick("a cache", &vec![0; rows]);
-        Ok(Self { held: self.held.iter().map(pick).collect::<Result<_, _>>()?, ..*self })
+        let gather = |cache: &DeviceTensor| cache.gather_rows("a cache", &vec![0; rows]);
+        Ok(Self { tensors: self.tensors.iter().map(gather).collect::<Result<_, _>>()?, ..*self })
     }
 }
 
@@ -65,15 +65,15 @@ impl Causal {
         CACHES_MAX / (size_of::<f32>() * numbers.max(1))
     }
 
-    /// Reads embeddings f32 `[rows, tokens, width]` after what the cache holds. Their places go on from there unless given.
-    /// Scores are given of at least the `wanted` last tokens.
+    /// Reads embeddings f32 `[rows, tokens, width]` after what the cache holds. Their positions
+    /// continue from there unless given. The scores cover at least the `wanted` last tokens.
     pub(super) fn run(
         &self,
         before: Option<&Cache>,
         embeds: &Tensor,
         places: Option<&[Place]>,
         wanted: usize,
-    ) -> Result<(Held, Cache), PerceptionError> {
+    ) -> Result<(DeviceTensor, Cache), PerceptionError> {
         let [rows, tokens] = [embeds.shape()[0], embeds.shape()[1]];
         let total = before.map_or(0, |cache| cache.length) + tokens;
         let next = before.map_or(0, |cache| cache.next);
@@ -100,16 +100,17 @@ impl Causal {
                 .map(|(n, tensor)| (n, tensor.into())),
         );
         for (index, name) in self.past.iter().enumerate() {
-            let held = before.and_then(|cache| cache.held.get(index));
-            inputs.push((name, held.map_or_else(|| (&empty).into(), Input::from)));
+            let tensor = before.and_then(|cache| cache.tensors.get(index));
+            inputs.push((name, tensor.map_or_else(|| (&empty).into(), Input::from)));
         }
         let outputs: Vec<&str> = self.outputs.iter().map(String::as_str).collect();
-        let mut found = self.engine.run_held(&inputs, &outputs)?;
-        let held = found.split_off(1);
-        Ok((found.remove(0), Cache { held, length: total, next }))
+        let mut found = self.engine.run_on_device(&inputs, &outputs)?;
+        let tensors = found.split_off(1);
+        Ok((found.remove(0), Cache { tensors, length: total, next }))
     }
 
-    /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models that tell rows and columns apart.
+    /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models with positions
+    /// in rows and columns.
     fn positions(&self, rows: usize, places: &[Place]) -> Tensor {
         let axes = if self.is_spatial { 3 } else { 1 };
         let of_axis = |axis: usize| places.iter().map(|p| p[axis]).collect::<Vec<_>>().repeat(rows);

@@ -1,11 +1,12 @@
-//! How models of different make are shown a picture and asked about it.
+//! How each family of models takes a picture and a question.
 
 use jrdb_types::Image;
 
+use super::causal::Place;
 use super::internvl::InternVlConfig;
+use super::model::Vlm;
 use super::qwen25vl::Qwen25VlConfig;
 use super::text_model::TextModel;
-use super::{Place, Vlm};
 use crate::detector::PerceptionError;
 
 /// A make of vision-language model, with the sizes and rules of one of its models.
@@ -64,7 +65,7 @@ impl Family {
                 let patches = config.prepare(picture)?;
                 let grid = ["image_grid_thw", "grid_thw"]
                     .into_iter()
-                    .find(|name| vlm.vision_encoder.inputs().iter().any(|known| known == name));
+                    .find(|name| vlm.vision_inputs().iter().any(|known| known == name));
                 let mut inputs = vec![("pixel_values", &patches.pixels)];
                 inputs.extend(grid.map(|name| (name, &patches.grid)));
                 let features = vlm.see(&inputs)?;
@@ -84,7 +85,7 @@ impl Family {
         }
     }
 
-    /// The places of a prompt's tokens, for makes that tell rows and columns apart.
+    /// The places of a prompt's tokens, for families with positions in rows and columns.
     #[must_use]
     pub fn places(&self, ids: &[u32], shown: &Shown) -> Option<Vec<Place>> {
         match self {

@@ -6,9 +6,9 @@ use serde::Deserialize;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
-use crate::picture::PictureConfig;
-use crate::resize::resize;
-use crate::tokens::parse_json;
+use crate::image::PictureConfig;
+use crate::image::resize;
+use crate::json::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,8 @@ pub struct InternVlConfig {
     pub picture: PictureConfig,
     /// Fewest and most tiles of a picture, without its thumbnail.
     ///
-    /// The crop of a person is best seen as one tile: 60 by 150 pixels would become eleven, with eleven times the tokens.
+    /// The crop of a person is best seen as one tile: 60 by 150 pixels would become eleven, with
+    /// eleven times the tokens.
     pub tiles: [usize; 2],
     /// Tokens of one tile.
     pub tokens_per_tile: usize,
@@ -36,7 +37,7 @@ impl InternVlConfig {
     /// Reads the texts of `config.json`, `generation_config.json` and `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if one of them is not what its name says.
+    /// [`PerceptionError::File`] if one of them does not have the content that its name promises.
     pub fn from_json(
         config: &str,
         generation: &str,
@@ -51,7 +52,7 @@ impl InternVlConfig {
         })
     }
 
-    /// A picture's tiles as the vision encoder wants them, f32 `[tiles, 3, side, side]`.
+    /// The input of the vision encoder: the tiles of a picture, f32 `[tiles, 3, side, side]`.
     #[must_use]
     pub fn prepare(&self, image: &Image) -> Tensor {
         let [side_x, side_y] = [self.picture.size.width, self.picture.size.height];
@@ -60,7 +61,7 @@ impl InternVlConfig {
         self.picture.tensor(&prepared)
     }
 
-    /// The words of a turn in which the user shows a picture of so many tiles and asks something.
+    /// The prompt for a picture of this many tiles and a question.
     #[must_use]
     pub fn prompt(&self, question: &str, tiles: usize) -> String {
         let image = "<IMG_CONTEXT>".repeat(tiles * self.tokens_per_tile);
@@ -70,9 +71,11 @@ impl InternVlConfig {
     }
 }
 
-/// Columns and rows of tiles for a picture of this size: of all grids of `fewest` to `most` tiles the one nearest in shape.
+/// Columns and rows of tiles for a picture of this size: of all grids of `fewest` to `most` tiles
+/// the one nearest in shape.
 ///
-/// Of equally near grids the larger is taken if the picture has more than half the pixels of its tiles.
+/// Of equally near grids the larger is taken if the picture has more than half the pixels of its
+/// tiles.
 ///
 /// ```
 /// use jrdb_perception::vlm::grid;
@@ -103,7 +106,7 @@ pub fn tiles_of(
     image: &Image,
     tiles: [usize; 2],
     tile_px: [usize; 2],
-    filter: crate::resize::Filter,
+    filter: crate::image::Filter,
 ) -> Vec<Image> {
     let [columns, rows] = grid([image.width, image.height], tiles, tile_px);
     let large = resize(image, columns * tile_px[0], rows * tile_px[1], filter);

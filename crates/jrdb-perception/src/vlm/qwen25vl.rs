@@ -1,15 +1,16 @@
-//! Qwen2.5-VL (Bai et al. 2025): pictures of any size as patches, tokens with places in rows and columns, boxes as JSON.
+//! Qwen2.5-VL (Bai et al. 2025): pictures of any size as patches, tokens with places in rows and
+//! columns, boxes as JSON.
 
 use jrdb_types::Image;
 use serde::Deserialize;
 
-use super::Place;
+use super::causal::Place;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
-use crate::picture::{PictureConfig, PictureSize};
-use crate::resize::resize;
-use crate::tokens::parse_json;
+use crate::image::resize;
+use crate::image::{PictureConfig, PictureSize};
+use crate::json::parse_json;
 
 /// Sizes and rules of one model, from the files beside its weights.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,7 +84,7 @@ fn per_byte() -> f64 {
 /// The greatest ratio of a picture's sides that the model takes.
 const RATIO_MAX: f64 = 200.0;
 
-/// A picture as the vision encoder wants it.
+/// The input of the vision encoder.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Patches {
     /// Patches, those of a token together, f32 `[patches, 3 · frames · side · side]`.
@@ -100,7 +101,8 @@ impl Qwen25VlConfig {
     /// Reads the texts of `config.json`, `generation_config.json` and `preprocessor_config.json`.
     ///
     /// # Errors
-    /// [`PerceptionError::File`] if one of them is not what its name says, [`PerceptionError::Setting`] if a number is out of range.
+    /// [`PerceptionError::File`] if one of them does not have the content that its name promises,
+    /// [`PerceptionError::Setting`] if a number is out of range.
     pub fn from_json(
         config: &str,
         generation: &str,
@@ -139,7 +141,8 @@ impl Qwen25VlConfig {
         })
     }
 
-    /// Columns and rows of a picture after resizing: multiples of a token's side, as many pixels as are allowed.
+    /// Columns and rows of a picture after resizing: multiples of a token's side, as many pixels as
+    /// are allowed.
     ///
     /// # Errors
     /// [`PerceptionError::Setting`] if one side is more than 200 times the other.
@@ -214,7 +217,7 @@ impl Qwen25VlConfig {
         }
     }
 
-    /// The words of a conversation in which the user shows a picture of so many tokens and asks something.
+    /// The prompt for a picture of this many tokens and a question.
     #[must_use]
     pub fn prompt(&self, question: &str, [rows, columns]: [usize; 2]) -> String {
         let image = "<|image_pad|>".repeat(rows * columns);
@@ -224,8 +227,8 @@ impl Qwen25VlConfig {
         )
     }
 
-    /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in rows and columns at one moment, and what
-    /// follows goes on behind the farthest of them.
+    /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in
+    /// rows and columns at one moment, and what follows goes on behind the farthest of them.
     #[must_use]
     pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Place> {
         let (mut next, mut places) = (0_i64, Vec::with_capacity(ids.len()));
@@ -244,46 +247,6 @@ impl Qwen25VlConfig {
         }
         places
     }
-}
-
-/// A box in an answer.
-#[derive(Debug, Clone, PartialEq)]
-pub struct JsonBox {
-    /// What it is called; empty if it has no name.
-    pub label: String,
-    /// Corners x0, y0, x1, y1, pixels of the original picture.
-    pub corners: [f64; 4],
-}
-
-/// Reads boxes from an answer in JSON, with or without a fence around it: a list or a single object, whose numbers are pixels of the resized
-/// picture. `scale` turns those into pixels of the original one, along x and y.
-///
-/// # Errors
-/// [`PerceptionError::File`] if there is no JSON; entries without four numbers are left out.
-///
-/// ```
-/// use jrdb_perception::vlm::json_boxes;
-/// let found = json_boxes("```json\n[{\"bbox_2d\": [1, 2, 3, 4], \"label\": \"person\"}]\n```", [2.0, 1.0]).unwrap();
-/// assert_eq!((found[0].label.as_str(), found[0].corners), ("person", [2.0, 2.0, 6.0, 4.0]));
-/// ```
-pub fn json_boxes(answer: &str, scale: [f64; 2]) -> Result<Vec<JsonBox>, PerceptionError> {
-    let start = answer.find(['[', '{']).unwrap_or(0);
-    let end = answer.rfind([']', '}']).map_or(answer.len(), |at| at + 1);
-    let inside = answer.get(start..end.max(start)).unwrap_or_default();
-    let value: serde_json::Value = parse_json("answer in JSON", inside)?;
-    let entries = match value {
-        serde_json::Value::Array(entries) => entries,
-        single => vec![single],
-    };
-    let read = |entry: &serde_json::Value| {
-        let place = ["bbox_2d", "bbox", "box"].iter().find_map(|key| entry.get(key))?.as_array()?;
-        let numbers: Vec<f64> = place.iter().filter_map(serde_json::Value::as_f64).collect();
-        let corners: [f64; 4] = numbers.try_into().ok()?;
-        let corners = std::array::from_fn(|axis| corners[axis] * scale[axis % 2]);
-        let label = entry.get("label").and_then(|label| label.as_str()).unwrap_or_default();
-        Some(JsonBox { label: label.into(), corners })
-    };
-    Ok(entries.iter().filter_map(read).collect())
 }
 
 #[cfg(test)]
@@ -321,19 +284,5 @@ mod tests {
         }
         let error = read(&flat, r#""min_pixels": 10,"#).unwrap_err().to_string();
         assert!(error.contains("min_pixels and max_pixels"), "{error}");
-    }
-
-    #[test]
-    fn answers_come_in_many_forms() {
-        let read = |answer: &str| json_boxes(answer, [1.0, 1.0]).map(|found| found.len());
-        assert_eq!(read("{\"bbox\": [1, 2, 3, 4]}").unwrap(), 1);
-        assert_eq!(
-            read("Sure! [{\"box\": [1, 2, 3, 4]}, {\"box\": [1, 2]}, {}] Anything else?").unwrap(),
-            1
-        );
-        assert_eq!(read("[]").unwrap(), 0);
-        for broken in ["I see nobody.", "", "]{", "[{\"bbox_2d\": [1, 2"] {
-            assert!(read(broken).unwrap_err().to_string().contains("answer in JSON"), "{broken}");
-        }
     }
 }

@@ -1,33 +1,34 @@
 //! How probable each word of a closed vocabulary is as the answer to a question.
 
-use super::question::Question;
-use super::{Read, Vlm};
+use super::model::{PromptState, Vlm};
 use crate::detector::PerceptionError;
+use crate::prompts::{Question, label_in};
 
 /// One spelling of a label as an answer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LabelScore {
-    /// Natural logarithm of the probability that the model answers so and ends: the sum over its tokens and the end.
+    /// Natural logarithm of the probability that the model answers so and ends: the sum over its
+    /// tokens and the end.
     pub log_likelihood: f64,
     /// Number of its tokens, the end included.
     pub tokens: usize,
 }
 
 impl Vlm {
-    /// Scores every spelling of every label as the answer to what was read, label by label.
+    /// Scores every spelling of every label as the answer to the prompt, label by label.
     ///
-    /// Sums, not means: a mean favours long words, whose later tokens are sure.
+    /// Sums, not means: a mean favours long words, whose later tokens have high probabilities.
     ///
     /// # Errors
     /// When a spelling has no tokens or a graph fails.
     pub fn score(
         &self,
-        read: &Read,
+        read: &PromptState,
         labels: &[Vec<String>],
         end: u32,
     ) -> Result<Vec<Vec<LabelScore>>, PerceptionError> {
         let ids = |spelling: &String| -> Result<Vec<u32>, PerceptionError> {
-            let mut ids = self.tokens.encode(spelling)?;
+            let mut ids = self.tokens().encode(spelling)?;
             ids.push(end);
             Ok(ids)
         };
@@ -40,8 +41,8 @@ impl Vlm {
     }
 }
 
-/// Probabilities of labels, given that the answer is one of them; spellings of a label add up. `temperature` above 1 makes them less
-/// sure of themselves.
+/// Probabilities of labels, given that the answer is one of them; spellings of a label add up. A
+/// `temperature` above 1 flattens them.
 pub(super) fn probabilities(scores: &[Vec<LabelScore>], temperature: f64) -> Vec<f64> {
     let logs: Vec<f64> = scores
         .iter()
@@ -61,7 +62,7 @@ pub(super) fn probabilities(scores: &[Vec<LabelScore>], temperature: f64) -> Vec
     weights.iter().map(|weight| weight / sum).collect()
 }
 
-/// How many tokens all prompts begin with alike, leaving each at least one of its own.
+/// Length of the common beginning of all prompts; each keeps at least one token of its own.
 pub(super) fn shared_beginning(prompts: &[Vec<u32>]) -> usize {
     let Some(first) = prompts.first() else { return 0 };
     let alike = |other: &Vec<u32>| first.iter().zip(other).take_while(|(a, b)| a == b).count();
@@ -72,12 +73,12 @@ pub(super) fn shared_beginning(prompts: &[Vec<u32>]) -> usize {
 /// The answer that a model writes by itself, as a place in the question's vocabulary.
 pub(super) fn free_answer(
     vlm: &Vlm,
-    read: Read,
+    read: PromptState,
     question: &Question,
     longest: usize,
 ) -> Result<Option<usize>, PerceptionError> {
     let sequence = vlm.write(read, longest)?;
-    Ok(super::reply::label_in(&vlm.tokens.decode_words(&sequence.ids)?, &question.labels))
+    Ok(label_in(&vlm.tokens().decode_words(&sequence.ids)?, &question.labels))
 }
 
 #[cfg(test)]

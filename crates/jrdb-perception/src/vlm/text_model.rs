@@ -1,10 +1,10 @@
-//! What the text half of a model needs to be run.
+//! Sizes and ids of the text half of a model.
 
 use serde::Deserialize;
 
-use crate::decode::DecodeConfig;
 use crate::detector::PerceptionError;
-use crate::tokens::parse_json;
+use crate::generation::DecodeConfig;
+use crate::json::parse_json;
 
 /// Sizes and ids of a text model.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +13,8 @@ pub struct TextModel {
     pub cache_heads: usize,
     /// Width of a head of its caches.
     pub cache_width: usize,
-    /// Whether tokens have places in rows and columns of the picture (Qwen2.5-VL) or only in the text.
+    /// Whether tokens have places in rows and columns of the picture (Qwen2.5-VL) or only in the
+    /// text.
     pub is_spatial: bool,
     /// The token that image tokens stand for.
     pub image_token: u32,

@@ -1,0 +1,13 @@
+//! Questions about a person in words, and how answers in words are read.
+//!
+//! Every model that answers in words shares them: the vision-language models of this crate, and the
+//! models behind an [exchange file](crate::exchange).
+
+mod json_boxes;
+mod question;
+mod reply;
+
+pub use json_boxes::{JsonBox, json_boxes};
+pub use question::{Question, Topic, questions};
+pub(crate) use question::{believed, put};
+pub use reply::label_in;
