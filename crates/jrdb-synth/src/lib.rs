@@ -20,10 +20,11 @@ mod wording;
 #[cfg(test)]
 mod tests;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
-use jrdb_types::{Belief, FrameId, Image, PointCloud, Question, Questions};
+use jrdb_types::{Artefact, Belief, FrameId, Image, PointCloud, Question, Questions};
+use serde_json::Value;
 
 use cast::Cast;
 use lidar::Target;
@@ -39,6 +40,13 @@ pub use view::{InTile, Seen, View};
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
 pub const QUESTIONS_FILE: &str = "questions.json";
+
+/// File of the detections of every frame, below the root of a scene: everything that is true of the things in the image,
+/// also what JRDB's labels cannot hold.
+pub const DETECTIONS_FILE: &str = "detections.json";
+
+/// File of the configuration that a scene was made from, below its root: the same makes it again.
+pub const SCENE_FILE: &str = "scene.json";
 
 /// JRDB's frames come 15 times a second, and every fifth is labelled here, so that motion shows.
 const FRAMES_PER_S: f64 = 15.0;
@@ -92,8 +100,8 @@ pub fn generate(config: &SynthConfig) -> World {
     World { config, room, cast }
 }
 
-/// Writes every frame of a world as a JRDB tree below `root`, and its questions as
-/// [`QUESTIONS_FILE`].
+/// Writes every frame of a world as a JRDB tree below `root`, its questions as [`QUESTIONS_FILE`], its detections as
+/// [`DETECTIONS_FILE`] and its configuration as [`SCENE_FILE`].
 ///
 /// Files that are there are replaced; others stay, so a folder should hold one world only.
 ///
@@ -113,8 +121,22 @@ pub fn write(world: &World, root: &Path) -> Result<(), Error> {
         questions.extend(frame.questions);
     }
     writer.labels(&world.config.sequence, &labels)?;
-    let path = root.join(QUESTIONS_FILE);
     let text = jrdb_dataset::write_questions(&Questions { questions });
+    write_text(root.join(QUESTIONS_FILE), &text)?;
+    write_text(root.join(DETECTIONS_FILE), &detections(labels))?;
+    let scene = serde_json::to_string_pretty(&world.config).unwrap_or_default();
+    write_text(root.join(SCENE_FILE), &format!("{scene}\n"))
+}
+
+/// The detections of all frames, as a list of artefacts.
+fn detections(frames: Vec<LabelledFrame>) -> String {
+    let artefact = |frame: LabelledFrame| Artefact::new(Value::Null, frame.detections).to_json();
+    let artefacts: Vec<String> = frames.into_iter().map(artefact).collect();
+    let artefacts: Vec<&str> = artefacts.iter().map(|text| text.trim_end()).collect();
+    format!("[\n{}\n]\n", artefacts.join(",\n"))
+}
+
+fn write_text(path: PathBuf, text: &str) -> Result<(), Error> {
     std::fs::write(&path, text).map_err(|source| Error::Write { path, source })
 }
 

@@ -1,5 +1,5 @@
-//! Colours of clothes: "in red", "wearing a blue jacket and black trousers", "without a white
-//! shirt".
+//! Clothes: their colours ("in red", "wearing a blue jacket and black trousers", "without a white
+//! shirt"), and worn things that are attributes of their wearer.
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Category;
@@ -45,7 +45,7 @@ impl Parser<'_> {
         self.bump();
         // "In red" and "wearing red" are about clothes, "with red" is not.
         let naming = if is_had { Naming::Required } else { Naming::Optional };
-        if !self.garment(pattern, naming) {
+        if !self.worn_thing(pattern) && !self.garment(pattern, naming) {
             self.rewind(checkpoint);
             return false;
         }
@@ -53,7 +53,7 @@ impl Parser<'_> {
             let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
             let is_or = self.is(Role::Or);
             self.skip_while(JOINTS);
-            if !self.garment(pattern, Naming::Required) {
+            if !self.worn_thing(pattern) && !self.garment(pattern, Naming::Required) {
                 self.rewind(checkpoint);
                 break;
             }
@@ -102,6 +102,27 @@ impl Parser<'_> {
         let message = "colours of things are not known here, not used".into();
         self.report(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
         self.bump();
+        true
+    }
+
+    /// A worn thing that is an attribute of its wearer. Its colour is reported and not used.
+    fn worn_thing(&mut self, pattern: &mut Pattern) -> bool {
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
+        self.skip_while(ARTICLES);
+        let (colors, _) = self.colors();
+        let Some(worn) = self.entry().worn.clone() else {
+            self.rewind(checkpoint);
+            return false;
+        };
+        if !colors.is_empty() {
+            let message = format!(
+                "the colour of \"{}\" is not known here, not used",
+                self.word(self.state.at)
+            );
+            self.report(IssueKind::NotInGraph, start, self.state.at, message);
+        }
+        self.bump();
+        pattern.conditions.push(worn);
         true
     }
 

@@ -25,7 +25,7 @@
 //! location      = place reference?                                               location.rs
 //! place         = part ("and"? part)*                                            place.rs
 //! possession    = ("has" | "with" | "without") noun_group location?              possession.rs
-//! clothes       = ("in" | "wearing" | …) color garment?                          clothes.rs
+//! clothes       = ("in" | "wearing" | …) (worn | color garment?)                          clothes.rs
 //! superlative, comparative, ordinal                                              superlative.rs
 //! number, quantity, length                                                       number.rs
 //! during, then                                                                   time.rs

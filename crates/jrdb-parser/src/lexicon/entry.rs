@@ -34,6 +34,8 @@ pub(crate) struct Entry {
     pub(crate) unsupported: Option<String>,
     pub(crate) color: Option<Color>,
     pub(crate) garment: Option<Garment>,
+    /// What is true of the person who wears it.
+    pub(crate) worn: Option<Condition>,
 }
 
 impl Entry {

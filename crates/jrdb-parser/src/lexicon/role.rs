@@ -57,6 +57,8 @@ roles! {
     Color = "(color)",
     /// A piece of clothing.
     Garment = "(garment)",
+    /// A worn thing that is an attribute of its wearer.
+    Worn = "(worn)",
     /// "find".
     Find = "find",
     /// "how many".
