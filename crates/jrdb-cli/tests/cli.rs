@@ -620,3 +620,19 @@ fn a_baseline_is_answered_by_the_detector_alone() {
     assert_eq!(labels.code, 2);
     contains(&labels.err, &["expected a detector that takes sentences"]);
 }
+
+#[test]
+fn what_people_wear_on_the_head_comes_from_a_detections_file_and_can_be_asked() {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/scenes/plaza");
+    let (root, file) = (scene.display().to_string(), scene.join("detections.json"));
+    let text = std::fs::read_to_string(&file).unwrap();
+    let capped = text.matches(r#""cap": 1.0"#).count();
+    assert!(capped > 0, "somebody on the plaza wears a cap");
+    let source = format!("file:{}", file.display());
+    let count = "How many people with a cap are there?";
+    let ran = jrdb(&["run", "--scene", &root, "--perception", &source, "--query", count]);
+    contains(&ran.out, &[&format!("answer  {capped}: #")]);
+    let nobody = "Is there nobody with a helmet?";
+    let ran = jrdb(&["run", "--scene", &root, "--perception", &source, "--query", nobody]);
+    contains(&ran.out, &["answer  yes"]);
+}

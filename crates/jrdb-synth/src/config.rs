@@ -1,5 +1,6 @@
 //! Which world to make.
 
+use jrdb_types::vocab::Headwear;
 use serde::{Deserialize, Serialize};
 
 use crate::room::Setting;
@@ -18,12 +19,15 @@ pub struct SynthConfig {
     pub setting: Setting,
     /// Name of the sequence.
     pub sequence: String,
+    /// What each person wears on the head, in the order of their numbers. It is true of them and not drawn, but for the
+    /// caps of adolescents. Of people beyond the list, adolescents wear a cap and others nothing.
+    pub headwear: Vec<Headwear>,
 }
 
 impl Default for SynthConfig {
     /// Eight people on a plaza, one frame: enough for every kind of question.
     fn default() -> Self {
         let (setting, sequence) = (Setting::default(), "synth_0".into());
-        Self { seed: 0, people: 8, frames: 1, setting, sequence }
+        Self { seed: 0, people: 8, frames: 1, setting, sequence, headwear: Vec::new() }
     }
 }

@@ -23,7 +23,10 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
-use jrdb_types::{Artefact, Belief, FrameId, Image, PointCloud, Question, Questions};
+use jrdb_types::vocab::Headwear;
+use jrdb_types::{
+    Age, Artefact, Belief, EntityId, FrameId, Image, PointCloud, Question, Questions,
+};
 use serde_json::Value;
 
 use cast::Cast;
@@ -97,7 +100,17 @@ pub fn generate(config: &SynthConfig) -> World {
     let room = Room::new(config.setting, &mut Random::stream(config.seed, 1));
     let path_seconds = seconds(config.frames.saturating_sub(1));
     let cast = cast::cast(&config, &room, path_seconds);
-    World { config, room, cast }
+    let headwear = headwear(&cast, &config.headwear);
+    World { config: SynthConfig { headwear, ..config }, room, cast }
+}
+
+/// What each person wears on the head: as listed, then as drawn.
+fn headwear(cast: &Cast, listed: &[Headwear]) -> Vec<Headwear> {
+    let drawn = cast.people.iter().map(|person| match person.age {
+        Age::Adolescent => Headwear::Cap,
+        _ => Headwear::None,
+    });
+    drawn.enumerate().map(|(index, drawn)| listed.get(index).copied().unwrap_or(drawn)).collect()
 }
 
 /// Writes every frame of a world as a JRDB tree below `root`, its questions as [`QUESTIONS_FILE`], its detections as
@@ -160,7 +173,15 @@ impl World {
         let subjects = self.subjects(index);
         let picture = paint::paint(&self.room, &subjects, &robot::panorama());
         let clouds = self.clouds(&subjects, index);
-        let labels = labels::labels(&id, &subjects, &picture.drawn, &clouds);
+        let mut labels = labels::labels(&id, &subjects, &picture.drawn, &clouds);
+        for (person, &worn) in self.cast.people.iter().zip(&self.config.headwear) {
+            let all = &mut labels.detections.detections;
+            let seen =
+                all.iter_mut().find(|one| one.id == EntityId::new("pedestrian", person.number));
+            if let Some(seen) = seen {
+                seen.attributes.set_headwear(Belief::certain(worn));
+            }
+        }
         let questions = questions::questions(&labels.detections, self.config.seed);
         let (image, instances) = (picture.image, picture.instances);
         Frame { id, image, instances, clouds, labels, questions }

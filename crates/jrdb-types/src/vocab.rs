@@ -45,9 +45,11 @@ macro_rules! vocabulary {
 
 mod color;
 mod heading;
+mod headwear;
 
 pub use color::Color;
 pub use heading::{Facing, HeadingSource};
+pub use headwear::Headwear;
 
 vocabulary! {
     /// Age group as an annotator or model sees it.

@@ -57,6 +57,7 @@ impl SynthArgs {
                     Setting::Corridor => jrdb_synth::Setting::Corridor,
                 },
                 sequence: self.sequence.clone().unwrap_or_else(|| self.default_sequence()),
+                ..SynthConfig::default()
             });
         };
         let read = |source| Error::File { action: "read", path: path.clone(), source };

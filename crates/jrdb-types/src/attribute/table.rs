@@ -44,6 +44,13 @@ macro_rules! for_each_attribute {
             notation: Key { key: "lower", value: "a colour" },
             plural: "colours of clothes", sources: &[Light],
         }
+        /// What is worn on the head.
+        Headwear(crate::vocab::Headwear) {
+            get: headwear, set: set_headwear, with: with_headwear, name: "headwear", ordered: false,
+            exclusive: true, wording: Followed("on the head"),
+            notation: Key { key: "headwear", value: "headwear" },
+            plural: "headwear", sources: &[],
+        }
     } };
 }
 
