@@ -10,8 +10,8 @@ use std::path::Path;
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
 use jrdb_perception::florence2::{
-    Answer, DecoderParts, Florence2, Florence2Config, Florence2Parts, Grammar, Labelled, Region,
-    Reply, Task,
+    Answer, DecoderParts, Florence2, Florence2Config, Florence2Parts, Grammar, Labelled,
+    LocationBox, Reply, Task,
 };
 use jrdb_perception::generation::{DecodeConfig, EndTokens, Tokens};
 use serde_json::{Value, json};
@@ -191,7 +191,7 @@ fn conformance_florence2_answers() {
     for case in quantised {
         let (size, corners) = (floats(&case["size_wh"]), floats(&case["box"]));
         let corners = [corners[0], corners[1], corners[2], corners[3]];
-        let region = Region::from_corners(corners, [size[0], size[1]]);
+        let region = LocationBox::from_corners(corners, [size[0], size[1]]);
         assert_eq!(region.0.map(u32::from).to_vec(), ids(&case["bins"]));
     }
     println!("{} of {0} answers read, {} of {1} boxes quantised", cases.len(), quantised.len());

@@ -6,7 +6,7 @@ mod goldens;
 
 use goldens::{ids, json, png, worst};
 use jrdb_perception::Tensor;
-use jrdb_perception::vlm::{Place, Qwen25VlConfig};
+use jrdb_perception::vlm::{Position, Qwen25VlConfig};
 use serde_json::Value;
 
 /// A model's files with the numbers of the published ones that matter here.
@@ -66,7 +66,7 @@ fn conformance_qwen25vl_sizes_patches_and_places() {
         let found = config.places(&prompt, [grid[1] as usize / 2, grid[2] as usize / 2]);
         let axes = case["position_ids_t_h_w"].as_array().unwrap();
         for (axis, expected) in axes.iter().enumerate() {
-            let along: Vec<u32> = found.iter().map(|place: &Place| place[axis] as u32).collect();
+            let along: Vec<u32> = found.iter().map(|place: &Position| place[axis] as u32).collect();
             assert_eq!(along, ids(expected));
         }
         let next = found.iter().flatten().max().unwrap() + 1;

@@ -1,12 +1,17 @@
 //! An engine outside the crate keeps tensors on its own device and mixes with the other engines.
 #![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
+#![allow(clippy::print_stdout, reason = "reports a missing onnxruntime")]
+
+mod onnxruntime;
 
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use jrdb_perception::engine::check_call;
-use jrdb_perception::{DeviceTensor, DeviceValue, Engine, EngineError, Input, RtenEngine, Tensor};
+use jrdb_perception::{
+    DeviceTensor, DeviceValue, Engine, EngineError, Input, OrtEngine, RtenEngine, Tensor,
+};
 
 const TINY: &[u8] = include_bytes!("../testdata/tiny.onnx");
 
@@ -116,14 +121,22 @@ fn run_returns_tensors_of_the_host_and_refuses_unknown_names() {
     assert_eq!(error.to_string(), r#"the model has no input "z"; it has ["x"]"#);
 }
 
-#[test]
-fn engines_copy_the_tensors_of_other_engines() {
-    let (outside, rten) = (CountingEngine::new(), RtenEngine::from_onnx(TINY).unwrap());
+/// From the outside engine through another one and back: y = relu(2 (x + 1) - 1) + 1.
+fn there_and_back(other: &dyn Engine) {
+    let outside = CountingEngine::new();
     let (x, k) = (floats(&[1, 3], &[0.0; 3]), Tensor::I64 { shape: vec![2], data: vec![0, 0] });
     let value = outside.run_on_device(&[("x", (&x).into())], &["y"]).unwrap().remove(0);
     let inputs = [("x", (&value).into()), ("k", (&k).into())];
-    let y = rten.run_on_device(&inputs, &["y"]).unwrap().remove(0);
+    let y = other.run_on_device(&inputs, &["y"]).unwrap().remove(0);
     assert_eq!(outside.copies(), 1);
     let back = outside.run_on_device(&[("x", (&y).into())], &["y"]).unwrap().remove(0);
-    assert_eq!(back.into_tensor("y").unwrap(), floats(&[1, 3], &[2.0; 3]));
+    assert_eq!(back.into_tensor("y").unwrap(), floats(&[1, 3], &[2.0; 3]), "{}", other.name());
+}
+
+#[test]
+fn engines_copy_the_tensors_of_other_engines() {
+    there_and_back(&RtenEngine::from_onnx(TINY).unwrap());
+    if let Some(library) = onnxruntime::find() {
+        there_and_back(&OrtEngine::from_onnx(&library, TINY, 1).unwrap());
+    }
 }

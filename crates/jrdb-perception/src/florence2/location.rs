@@ -2,17 +2,17 @@
 
 /// A box in location bins: x0, y0, x1, y1 in 0..=999.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Region(pub [u16; 4]);
+pub struct LocationBox(pub [u16; 4]);
 
 /// Bins per side of the picture.
 pub(super) const BINS: f64 = 1000.0;
 
-impl Region {
+impl LocationBox {
     /// The bins of a box given by its corners, pixels of a picture of that size.
     ///
     /// ```
-    /// use jrdb_perception::florence2::Region;
-    /// assert_eq!(Region::from_corners([3.76, 0.48, 7.52, 480.0], [3760.0, 480.0]).0, [1, 1, 2, 999]);
+    /// use jrdb_perception::florence2::LocationBox;
+    /// assert_eq!(LocationBox::from_corners([3.76, 0.48, 7.52, 480.0], [3760.0, 480.0]).0, [1, 1, 2, 999]);
     /// ```
     #[must_use]
     pub fn from_corners(corners: [f64; 4], size_px: [f64; 2]) -> Self {

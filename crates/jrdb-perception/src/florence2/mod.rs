@@ -18,6 +18,6 @@ pub use config::Florence2Config;
 pub use decoded_box::DecodedBox;
 pub use decoder::DecoderParts;
 pub use detector::{FlorenceDetector, FlorenceDetectorConfig};
-pub use location::Region;
+pub use location::LocationBox;
 pub use model::{Florence2, Florence2Parts, Reply};
 pub use task::Task;

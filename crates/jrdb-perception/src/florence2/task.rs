@@ -1,7 +1,7 @@
 //! The tasks of Florence-2, and the prompt of each.
 
 use super::answer::Grammar;
-use super::location::Region;
+use super::location::LocationBox;
 
 /// A task; those that are about something carry it.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -19,13 +19,13 @@ pub enum Task {
     /// The outline of the object that the words refer to.
     ReferringSegmentation(String),
     /// The category of a region.
-    RegionToCategory(Region),
+    RegionToCategory(LocationBox),
     /// A description of a region.
-    RegionToDescription(Region),
+    RegionToDescription(LocationBox),
     /// The outline of the object in a region.
-    RegionToSegmentation(Region),
+    RegionToSegmentation(LocationBox),
     /// The writing in a region.
-    RegionToOcr(Region),
+    RegionToOcr(LocationBox),
     /// One sentence.
     Caption,
     /// Several sentences.
@@ -44,7 +44,7 @@ impl Task {
     #[must_use]
     pub fn from_tag(text: &str) -> Option<Self> {
         let (tag, input) = text.strip_prefix('<')?.split_once('>')?;
-        let region = || Region::from_tags(input);
+        let region = || LocationBox::from_tags(input);
         let task = match tag {
             "OPEN_VOCABULARY_DETECTION" => {
                 return Some(Self::OpenVocabularyDetection(input.into()));

@@ -10,10 +10,10 @@ use crate::detector::{AttributeModel, PerceptionError, check_image};
 use crate::image::{Wrap, crop};
 use crate::prompts::{Question, Topic, put, questions};
 
-/// How answers are got.
+/// How answers are obtained.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Profile {
+pub enum AnswerMode {
     /// The model writes freely; the label in its answer has probability 1.
     Paper,
     /// Every word of the vocabulary is scored as an answer, which yields probabilities of these
@@ -26,10 +26,10 @@ pub enum Profile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct AttributeConfig {
-    /// The request.
+    /// The topics of the questions.
     pub topics: Vec<Topic>,
-    /// How answers are got.
-    pub profile: Profile,
+    /// How answers are obtained.
+    pub profile: AnswerMode,
     /// A crop is larger than its box by this part of it on each side; in `[0, 1]`. Default 0.02:
     /// boxes are rarely better.
     pub margin: f64,
@@ -48,7 +48,7 @@ impl Default for AttributeConfig {
     fn default() -> Self {
         Self {
             topics: Topic::ALL.to_vec(),
-            profile: Profile::default(),
+            profile: AnswerMode::default(),
             margin: 0.02,
             temperature: 1.0,
             answer_tokens_max: 24,
@@ -133,11 +133,11 @@ impl VlmAttributes {
     /// Probabilities of the vocabulary's words; all 0 if the answer contains none of them.
     fn answer(&self, read: PromptState, question: &Question) -> Result<Vec<f64>, PerceptionError> {
         match self.config.profile {
-            Profile::Robust => {
+            AnswerMode::Robust => {
                 let scores = self.vlm.score(&read, &question.labels, self.end)?;
                 Ok(probabilities(&scores, self.config.temperature))
             }
-            Profile::Paper => {
+            AnswerMode::Paper => {
                 let longest = self.config.answer_tokens_max;
                 let said = free_answer(&self.vlm, read, question, longest)?;
                 let certain = |index| if said == Some(index) { 1.0 } else { 0.0 };

@@ -11,7 +11,7 @@ const PRESENT: &str = "present.";
 const CACHES_MAX: usize = 256 << 20;
 
 /// The place of a token: in time, row and column. Words count alike on all three.
-pub type Place = [i64; 3];
+pub type Position = [i64; 3];
 
 /// A decoder that takes embeddings and caches of what it read before.
 pub(super) struct Causal {
@@ -71,13 +71,13 @@ impl Causal {
         &self,
         before: Option<&Cache>,
         embeds: &Tensor,
-        places: Option<&[Place]>,
+        places: Option<&[Position]>,
         wanted: usize,
     ) -> Result<(DeviceTensor, Cache), PerceptionError> {
         let [rows, tokens] = [embeds.shape()[0], embeds.shape()[1]];
         let total = before.map_or(0, |cache| cache.length) + tokens;
         let next = before.map_or(0, |cache| cache.next);
-        let in_a_row: Vec<Place> = (next..).map(|place| [place; 3]).take(tokens).collect();
+        let in_a_row: Vec<Position> = (next..).map(|place| [place; 3]).take(tokens).collect();
         let places = places.unwrap_or(&in_a_row);
         let next = places.iter().flatten().max().map_or(next, |last| last + 1);
         let mask = Tensor::I64 { shape: vec![rows, total], data: vec![1; rows * total] };
@@ -111,7 +111,7 @@ impl Causal {
 
     /// The places of tokens, i64 `[rows, tokens]`, or `[3, rows, tokens]` for models with positions
     /// in rows and columns.
-    fn positions(&self, rows: usize, places: &[Place]) -> Tensor {
+    fn positions(&self, rows: usize, places: &[Position]) -> Tensor {
         let axes = if self.is_spatial { 3 } else { 1 };
         let of_axis = |axis: usize| places.iter().map(|p| p[axis]).collect::<Vec<_>>().repeat(rows);
         let data = (0..axes).flat_map(of_axis).collect();

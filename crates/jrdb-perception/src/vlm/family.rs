@@ -2,7 +2,7 @@
 
 use jrdb_types::Image;
 
-use super::causal::Place;
+use super::causal::Position;
 use super::internvl::InternVlConfig;
 use super::model::Vlm;
 use super::qwen25vl::Qwen25VlConfig;
@@ -87,7 +87,7 @@ impl Family {
 
     /// The places of a prompt's tokens, for families with positions in rows and columns.
     #[must_use]
-    pub fn places(&self, ids: &[u32], shown: &Shown) -> Option<Vec<Place>> {
+    pub fn places(&self, ids: &[u32], shown: &Shown) -> Option<Vec<Position>> {
         match self {
             Self::InternVl(_) => None,
             Self::Qwen25Vl(config) => Some(config.places(ids, shown.tokens)),

@@ -13,8 +13,8 @@ mod qwen25vl;
 mod score;
 mod text_model;
 
-pub use attribute::{AttributeConfig, Profile, VlmAttributes};
-pub use causal::{Cache, Place};
+pub use attribute::{AnswerMode, AttributeConfig, VlmAttributes};
+pub use causal::{Cache, Position};
 pub use family::{Family, Shown};
 pub use internvl::{InternVlConfig, grid, tiles_of};
 pub use model::{PromptState, Vlm, VlmParts};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::causal::{Cache, Causal, Place};
+use super::causal::{Cache, Causal, Position};
 use super::text_model::TextModel;
 use crate::detector::{PerceptionError, check_graph};
 use crate::engine::{DeviceTensor, Engine, Tensor};
@@ -111,7 +111,7 @@ impl Vlm {
         &self,
         ids: &[u32],
         features: &[f32],
-        places: Option<&[Place]>,
+        places: Option<&[Position]>,
     ) -> Result<PromptState, PerceptionError> {
         let embeds = self.with_image(ids, features)?;
         let (logits, cache) = self.causal.run(None, &embeds, places, 1)?;

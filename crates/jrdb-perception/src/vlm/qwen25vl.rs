@@ -4,7 +4,7 @@
 use jrdb_types::Image;
 use serde::Deserialize;
 
-use super::causal::Place;
+use super::causal::Position;
 use super::text_model::{TextFile, TextModel};
 use crate::detector::PerceptionError;
 use crate::engine::Tensor;
@@ -230,7 +230,7 @@ impl Qwen25VlConfig {
     /// The places of a prompt's tokens: words go on one by one; the tokens of the picture lie in
     /// rows and columns at one moment, and what follows goes on behind the farthest of them.
     #[must_use]
-    pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Place> {
+    pub fn places(&self, ids: &[u32], [_, columns]: [usize; 2]) -> Vec<Position> {
         let (mut next, mut places) = (0_i64, Vec::with_capacity(ids.len()));
         for run in
             ids.chunk_by(|a, b| (*a == self.text.image_token) == (*b == self.text.image_token))
