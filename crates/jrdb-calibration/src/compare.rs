@@ -1,40 +1,9 @@
 //! Do several LiDARs, brought into the base frame by their calibration, see one floor?
 
+use jrdb_types::calibration::{FloorAgreement, FloorDifference, SensorFloor};
 use nalgebra::Point3;
-use serde::{Deserialize, Serialize};
 
-use crate::{Error, Floor, FloorConfig, fit_floor};
-
-/// The floor as one LiDAR sees it.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SensorFloor {
-    /// Name of the LiDAR.
-    pub sensor: String,
-    /// Its floor, base frame.
-    pub floor: Floor,
-}
-
-/// How far the floors of two LiDARs lie apart.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FloorDifference {
-    /// Name of the first LiDAR.
-    pub first: String,
-    /// Name of the second LiDAR.
-    pub second: String,
-    /// Height of the second floor under the origin minus that of the first, metres.
-    pub height_m: f64,
-    /// Angle between the two normals, radians.
-    pub tilt_rad: f64,
-}
-
-/// The floors of several LiDARs and how they agree.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FloorAgreement {
-    /// Each LiDAR's own floor, in the order given.
-    pub floors: Vec<SensorFloor>,
-    /// Every pair of LiDARs, in the order given; empty for a single LiDAR.
-    pub differences: Vec<FloorDifference>,
-}
+use crate::{Error, FloorConfig, fit_floor};
 
 /// Finds the floor of every LiDAR and compares each pair: a first check of their mounts.
 ///

@@ -1,41 +1,13 @@
 //! The floor of one cloud: a vote finds it, least squares make it exact.
 
+use jrdb_types::calibration::Floor;
 use nalgebra::{Point3, Vector3};
-use serde::{Deserialize, Serialize};
 
 use crate::plane::{self, Fit, Plane};
 use crate::{Error, FloorConfig, vote};
 
 /// Rounds of least squares, should the points on the plane not settle before; real clouds need 3 to 15.
 const MAX_ROUNDS: usize = 50;
-
-/// The plane that the robot stands on, in the base frame (x forward, y left, z up).
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Floor {
-    /// Unit normal `[x, y, z]`, upwards.
-    pub normal: [f64; 3],
-    /// z of the plane under the base frame's origin (at x = y = 0), metres; negative when the origin is
-    /// above the floor.
-    pub height_m: f64,
-    /// Points within the tolerance of the plane.
-    pub inliers: usize,
-    /// Root mean square distance of those points from the plane, metres.
-    pub rms_m: f64,
-}
-
-impl Floor {
-    /// Angle between the floor's normal and the base frame's z axis, radians, in `[0, π/2]`.
-    #[must_use]
-    pub fn tilt_rad(&self) -> f64 {
-        plane::angle_rad(&self.normal.into(), &Vector3::z())
-    }
-
-    /// Angle between this floor's normal and another's, radians.
-    #[must_use]
-    pub fn angle_to_rad(&self, other: &Self) -> f64 {
-        plane::angle_rad(&self.normal.into(), &other.normal.into())
-    }
-}
 
 /// Finds the floor in a cloud in the base frame (x forward, y left, z up; metres).
 ///

@@ -11,12 +11,13 @@ mod plane;
 mod scene;
 mod vote;
 
-pub use compare::{FloorAgreement, FloorDifference, SensorFloor, compare_floors};
+pub use compare::compare_floors;
 pub use config::FloorConfig;
 pub use error::Error;
-pub use fit::{
-    Doubt, Finding, FitConfig, FitReport, Freedom, LidarFit, Measure, Motion, RefinedFreedom,
-    RefinedLidar, Refinement, Sweep, Verdict, View, check_fit, refine,
+pub use fit::{FitConfig, Sweep, View, about, check_fit, refine};
+pub use floor::fit_floor;
+pub use jrdb_types::calibration::{
+    Doubt, Finding, FitReport, Floor, FloorAgreement, FloorDifference, Freedom, LidarFit, Measure,
+    Motion, RefinedFreedom, RefinedLidar, Refinement, SensorFloor, Verdict,
 };
-pub use floor::{Floor, fit_floor};
 pub use nalgebra;

@@ -7,8 +7,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use jrdb_calibration::{FitConfig, FitReport, Verdict, check_fit, refine};
-use jrdb_cli::calib::{CalibFrame, Mounts, Plant, fit_text, verdict_words, with_views};
+use jrdb_cli::calib::{CalibFrame, Mounts, Plant, with_views};
 use jrdb_cli::source::{RigChoice, RobotOptions, Source, list_frames};
+use jrdb_render::calibration as words;
 
 const SEQUENCE: &str = "bytes-cafe-2019-02-07_0";
 
@@ -75,7 +76,7 @@ fn finds(frames: &[CalibFrame], without: &FitReport, plant: &Plant, reads_within
         assert!((read_deg - yaw_deg).abs() < reads_within[0], "{line}");
         assert!((read_m - height_m).abs() < reads_within[1], "{line}");
     }
-    assert_eq!(found.verdict, Verdict::Off, "{plant:?}: {}", verdict_words(&found));
+    assert_eq!(found.verdict, Verdict::Off, "{plant:?}: {}", words::verdict(&found));
 }
 
 #[test]
@@ -88,8 +89,8 @@ fn bundled_scenes_are_consistent_and_planted_errors_are_found_in_them() {
     for (name, plant) in cases {
         let frames = scene_frames(name);
         let report = check(&frames, &self::plant(0.0, 0.0, &[]));
-        println!("{name}\n{}", fit_text(&report));
-        assert_eq!(report.verdict, Verdict::Consistent, "{name}: {}", verdict_words(&report));
+        println!("{name}\n{}", words::fit(&report));
+        assert_eq!(report.verdict, Verdict::Consistent, "{name}: {}", words::verdict(&report));
         finds(&frames, &report, &plant, [0.3, 0.06]);
     }
 }
@@ -98,8 +99,8 @@ fn bundled_scenes_are_consistent_and_planted_errors_are_found_in_them() {
 fn a_cloud_of_elsewhere_is_not_called_consistent_nor_off() {
     for (name, turned_deg) in [("plaza", 120.0), ("cafe", 240.0)] {
         let report = check(&scene_frames(name), &plant(turned_deg, 0.0, &[]));
-        assert_eq!(report.verdict, Verdict::CannotTell, "{name}: {}", verdict_words(&report));
-        assert!(verdict_words(&report).contains("no offset fits better than chance"));
+        assert_eq!(report.verdict, Verdict::CannotTell, "{name}: {}", words::verdict(&report));
+        assert!(words::verdict(&report).contains("no offset fits better than chance"));
     }
 }
 
@@ -131,8 +132,8 @@ fn conformance_the_shipped_calibration_is_accepted_and_planted_errors_are_found(
     let Some(root) = sample() else { return };
     let frames = sample_frames(&root);
     let report = check(&frames, &plant(0.0, 0.0, &[]));
-    println!("{}", fit_text(&report));
-    assert_eq!(report.verdict, Verdict::Consistent, "{}", verdict_words(&report));
+    println!("{}", words::fit(&report));
+    assert_eq!(report.verdict, Verdict::Consistent, "{}", words::verdict(&report));
     let [both, upper, lower]: [&[&str]; 3] = [&[], &["upper_velodyne"], &["lower_velodyne"]];
     for (yaw_deg, height_m) in [(2.0, 0.0), (-2.0, 0.0), (0.0, 0.1), (0.0, -0.1)] {
         finds(&frames, &report, &plant(yaw_deg, height_m, both), [0.3, 0.03]);

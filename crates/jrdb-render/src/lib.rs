@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod brief;
+pub mod calibration;
 mod change;
 mod check;
 mod explain;

@@ -3,6 +3,7 @@
 pub mod answer;
 pub mod artefact;
 pub mod attribute;
+pub mod calibration;
 mod causes;
 pub mod detection;
 pub mod entity;

@@ -1,10 +1,11 @@
 //! Yaw and height of each LiDAR against the image.
 
-use serde::{Deserialize, Serialize};
+use jrdb_types::calibration::{Doubt, Finding, FitReport, Freedom, LidarFit, Motion};
 
 use super::evidence::{Edges, Evidence};
-use super::score::{Curve, Measure};
-use super::{Doubt, Finding, FitConfig, Freedom, Motion, Verdict, View};
+use super::score::Curve;
+use super::verdict::{finding, verdict};
+use super::{FitConfig, View};
 use crate::Error;
 
 /// Yaw and height are found in turn, so often: each is found again with the other in place.
@@ -13,60 +14,19 @@ const ROUNDS: usize = 3;
 /// a cloud that is off in both are matched poorly at first.
 const SETTLING_SHARE: f64 = 0.5;
 
-/// How a LiDAR, or all of them as one, fit the image.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct LidarFit {
-    /// Name of the LiDAR; `rig` for all as one.
-    pub sensor: String,
-    /// How far the mount is turned about the z axis, counter-clockwise from above, radians.
-    pub yaw_rad: Measure,
-    /// What that comes to.
-    pub yaw: Finding,
-    /// How far the mount is too high, metres.
-    pub height_m: Measure,
-    /// What that comes to.
-    pub height: Finding,
-}
-
-impl LidarFit {
-    fn new(sensor: &str, [yaw, height]: &[Curve; 2], config: &FitConfig) -> Self {
-        let (yaw_rad, mut height_m) = (yaw.measure(), height.measure());
-        height_m.deviation = height_m.deviation.hypot(config.height_bias_m);
-        let yaw = Finding::of(&yaw_rad, config.yaw_tolerance_rad, config);
-        // Where not even the columns match, matching rows are chance: floors and ceilings are level everywhere.
-        let height = match yaw {
-            Finding::CannotTell(doubt @ (Doubt::NoMatch | Doubt::AtBorder)) => {
-                Finding::CannotTell(doubt)
-            }
-            _ => Finding::of(&height_m, config.height_tolerance_m, config),
-        };
-        Self { sensor: sensor.into(), yaw, height, yaw_rad, height_m }
-    }
-
-    /// What moves the LiDAR's points to where the image has them: minus the offsets that could be told.
-    #[must_use]
-    pub fn correction(&self) -> Motion {
-        let told = |finding, measure: &Measure| match finding {
-            Finding::CannotTell(_) => 0.0,
-            Finding::Consistent | Finding::Off => -measure.offset,
-        };
-        Motion {
-            yaw_rad: told(self.yaw, &self.yaw_rad),
-            height_m: told(self.height, &self.height_m),
-            ..Motion::default()
+/// What the curves of a LiDAR come to.
+fn lidar_fit(sensor: &str, [yaw, height]: &[Curve; 2], config: &FitConfig) -> LidarFit {
+    let (yaw_rad, mut height_m) = (yaw.measure(), height.measure());
+    height_m.deviation = height_m.deviation.hypot(config.height_bias_m);
+    let yaw = finding(&yaw_rad, config.yaw_tolerance_rad, config);
+    // Where not even the columns match, matching rows are chance: floors and ceilings are level everywhere.
+    let height = match yaw {
+        Finding::CannotTell(doubt @ (Doubt::NoMatch | Doubt::AtBorder)) => {
+            Finding::CannotTell(doubt)
         }
-    }
-}
-
-/// Whether clouds fit images.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct FitReport {
-    /// Each LiDAR, by name.
-    pub lidars: Vec<LidarFit>,
-    /// All LiDARs moved as one.
-    pub rig: LidarFit,
-    /// What it all comes to.
-    pub verdict: Verdict,
+        _ => finding(&height_m, config.height_tolerance_m, config),
+    };
+    LidarFit { sensor: sensor.into(), yaw, height, yaw_rad, height_m }
 }
 
 /// Finds how far yaw and height of each LiDAR are off, by the edges of the images.
@@ -82,15 +42,15 @@ pub fn check_fit(views: &[View<'_>], config: &FitConfig) -> Result<FitReport, Er
     let (mut lidars, mut pooled) = (Vec::new(), None::<[Curve; 2]>);
     for sensor in evidence.sensors() {
         let curves = curves(&evidence, sensor, config);
-        lidars.push(LidarFit::new(sensor, &curves, config));
+        lidars.push(lidar_fit(sensor, &curves, config));
         pooled = Some(match pooled {
             None => curves,
             Some([yaw, height]) => [yaw.plus(&curves[0]), height.plus(&curves[1])],
         });
     }
-    let rig = LidarFit::new("rig", &pooled.ok_or(Error::NoSweep)?, config);
-    let verdict = Verdict::of(lidars.iter().flat_map(|fit| [fit.yaw, fit.height]));
-    Ok(FitReport { lidars, rig, verdict })
+    let rig = lidar_fit("rig", &pooled.ok_or(Error::NoSweep)?, config);
+    let all = verdict(lidars.iter().flat_map(|fit| [fit.yaw, fit.height]));
+    Ok(FitReport { lidars, rig, verdict: all })
 }
 
 /// Yaw and height curves of one LiDAR, each with the other at its best.
@@ -124,15 +84,17 @@ fn curves(evidence: &Evidence<'_>, sensor: &str, config: &FitConfig) -> [Curve; 
 
 #[cfg(test)]
 mod tests {
+    use super::super::motion::about;
     use super::super::{Sweep, world};
     use super::*;
     use jrdb_types::Image;
+    use jrdb_types::calibration::Verdict;
     use nalgebra::Point3;
 
     /// The world's report, its LiDAR mounted with an error.
     fn report(error: Motion, image: &Image) -> FitReport {
         let (origin, points) = world::sweep(0.1);
-        let moved = error.about(&origin);
+        let moved = about(&error, &origin);
         let points: Vec<Point3<f64>> = points.iter().map(|point| moved * point).collect();
         let sweep = Sweep { sensor: "lidar", origin: moved * origin, points: &points };
         let view = View { camera: &world::camera(), image, sweeps: &[sweep] };

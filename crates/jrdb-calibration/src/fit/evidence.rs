@@ -3,12 +3,14 @@
 use std::collections::BTreeMap;
 
 use jrdb_projection::CameraModel;
+use jrdb_types::calibration::{Freedom, Motion};
 use nalgebra::Point3;
 
 use super::candidate::{Candidate, Candidates};
 use super::gradient::EdgeImage;
+use super::motion::about;
 use super::score::{Curve, Sum};
-use super::{FitConfig, Freedom, Motion, View};
+use super::{FitConfig, View};
 use crate::Error;
 
 /// What the views say of every LiDAR.
@@ -60,7 +62,7 @@ impl<'a> Evidence<'a> {
         let mut units = vec![Sum::default(); self.units];
         for (view, candidates) in self.lidars.get(sensor).into_iter().flatten() {
             let (camera, image) = &self.images[*view];
-            let moved = motion.about(&candidates.origin);
+            let moved = about(motion, &candidates.origin);
             let mut add = |candidate: &Candidate| {
                 let strength = candidate.strength(&moved, *camera, image);
                 units[candidate.unit].add(strength, candidate.is_end);

@@ -21,12 +21,10 @@ use jrdb_projection::CameraModel;
 use jrdb_types::Image;
 use nalgebra::Point3;
 
-pub use check::{FitReport, LidarFit, check_fit};
+pub use check::check_fit;
 pub use config::FitConfig;
-pub use motion::{Freedom, Motion};
-pub use refine::{RefinedFreedom, RefinedLidar, Refinement, refine};
-pub use score::Measure;
-pub use verdict::{Doubt, Finding, Verdict};
+pub use motion::about;
+pub use refine::refine;
 
 /// One sweep of a LiDAR in the robot's base frame (x forward, y left, z up), metres.
 #[derive(Debug, Clone, Copy)]

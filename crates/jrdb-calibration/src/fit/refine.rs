@@ -3,52 +3,16 @@
 use std::collections::BTreeMap;
 
 use faer::{Col, Mat};
-use serde::{Deserialize, Serialize};
+use jrdb_types::calibration::{Freedom, Motion, RefinedFreedom, RefinedLidar, Refinement};
 
 use super::evidence::{Edges, Evidence};
 use super::score::{self, Curve, Sum};
-use super::{FitConfig, Freedom, Motion, View};
+use super::{FitConfig, View};
 use crate::Error;
 use crate::least_squares::covariance;
 
 /// Each freedom in turn is moved to its best, so often.
 const ROUNDS: usize = 3;
-
-/// One freedom of a LiDAR's mount after refinement.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct RefinedFreedom {
-    /// Which.
-    pub freedom: Freedom,
-    /// What to add to the mount, radians or metres; 0 where the data do not determine it.
-    pub correction: f64,
-    /// Standard deviation of the correction, from the score's curvature and the scatter of the sectors, with the
-    /// bias of [`FitConfig`]; none where the score has no top.
-    pub deviation: Option<f64>,
-    /// Whether the data determine it: the deviation, times [`FitConfig::coverage`], is within the tolerance.
-    pub is_determined: bool,
-}
-
-/// A LiDAR's mount after refinement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct RefinedLidar {
-    /// Name of the LiDAR.
-    pub sensor: String,
-    /// What moves its points to where the images have them.
-    pub correction: Motion,
-    /// Each freedom, in the order of [`Freedom::ALL`].
-    pub freedoms: Vec<RefinedFreedom>,
-    /// How much stronger the images' edges are at the cloud's edges than elsewhere, mean rank, before.
-    pub score_before: f64,
-    /// The same after.
-    pub score_after: f64,
-}
-
-/// The mounts of all LiDARs after refinement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Refinement {
-    /// Each LiDAR, by name.
-    pub lidars: Vec<RefinedLidar>,
-}
 
 /// Finds yaw, pitch, roll and height of each LiDAR at which the images' edges lie best on the cloud's.
 ///
@@ -227,6 +191,7 @@ impl Search<'_> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::motion::about;
     use super::super::{Sweep, world};
     use super::*;
     use jrdb_types::Image;
@@ -234,7 +199,7 @@ mod tests {
 
     fn refined(error: Motion, image: &Image) -> RefinedLidar {
         let (origin, points) = world::sweep(0.1);
-        let moved = error.about(&origin);
+        let moved = about(&error, &origin);
         let points: Vec<Point3<f64>> = points.iter().map(|point| moved * point).collect();
         let sweep = Sweep { sensor: "lidar", origin: moved * origin, points: &points };
         let view = View { camera: &world::camera(), image, sweeps: &[sweep] };

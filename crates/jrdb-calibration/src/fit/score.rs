@@ -1,7 +1,8 @@
 //! How well the image's edges lie on the cloud's, over one way of moving the cloud.
 
+use jrdb_types::calibration::Measure;
+
 use crate::least_squares;
-use serde::{Deserialize, Serialize};
 
 use super::config::PARABOLA_STEPS;
 
@@ -74,23 +75,6 @@ pub(super) fn significance(units: &[Sum]) -> f64 {
     let scatter: f64 = shares.iter().map(|share| (share - sum / count).powi(2)).sum();
     let error = (scatter * count / (count - 1.0)).sqrt();
     if error > 0.0 { sum / error } else { 0.0 }
-}
-
-/// An offset that was measured, with how far it can be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct Measure {
-    /// How far the mount is off: the mount is the truth plus this. Radians or metres, as the field's name
-    /// says.
-    pub offset: f64,
-    /// Standard deviation of the offset, by leaving out one sector of azimuth at a time; same unit.
-    /// That of a height holds [`crate::FitConfig::height_bias_m`] too.
-    pub deviation: f64,
-    /// Ends of surfaces that it rests on.
-    pub edges: usize,
-    /// By how many standard errors the image's edges are stronger there than elsewhere.
-    pub significance: f64,
-    /// Whether the best offset is at the end of the range searched, so that the true one may be beyond.
-    pub at_border: bool,
 }
 
 /// The evidence at each of evenly spaced positions.

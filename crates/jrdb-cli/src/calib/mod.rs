@@ -1,6 +1,6 @@
 //! Frames of a dataset as the calibration check wants them, and its report in words.
 
-mod words;
+mod floors;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use serde::Serialize;
 use crate::Error;
 use crate::source::FrameSource;
 
-pub use words::{fit_text, floor_lines, refinement_text, tilted_more, verdict_words};
+pub use floors::{floor_lines, tilted_more};
 
 /// Where each LiDAR sits, by name: `base_from_lidar`.
 pub type Mounts = BTreeMap<String, Isometry3<f64>>;

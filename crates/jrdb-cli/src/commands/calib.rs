@@ -5,17 +5,17 @@ use std::process::ExitCode;
 
 use anyhow::Result;
 use clap::{Args, Subcommand};
-use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, check_fit, refine};
+use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, about, check_fit, refine};
 use jrdb_cli::Error;
 use jrdb_cli::calib::{
-    BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, fit_text, floor_lines, refinement_text,
-    tilted_more, verdict_words, with_views,
+    BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, floor_lines, tilted_more, with_views,
 };
 use jrdb_cli::output::write;
 use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_draw::{Overlay, Strip, draw_overlay};
 use jrdb_projection::nalgebra::Point3;
+use jrdb_render::calibration as words;
 use serde_json::json;
 
 use super::args::SourceArgs;
@@ -129,7 +129,7 @@ impl Job {
 fn check(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
     let report = job.check(&job.mounts)?;
     let unplanted = job.unplanted()?;
-    let words = verdict_words(&report);
+    let words = words::verdict(&report);
     let floors: Vec<Vec<String>> =
         (0..job.frames.len()).map(|i| floor_lines(&job.sweeps(i))).collect();
     let value = json!({
@@ -149,7 +149,7 @@ fn check(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
         Format::Json => say(&(json + "\n"))?,
         Format::Text => {
             let mut text: String = floors.concat().into_iter().map(|line| line + "\n").collect();
-            text += &fit_text(&report);
+            text += &words::fit(&report);
             if let Some(unplanted) = &unplanted {
                 text += &recovered(&job.plant, &report, unplanted);
             }
@@ -200,7 +200,7 @@ fn refined(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
                 lines.into_iter().map(|line| format!("{when}: {line}\n")).collect::<String>()
             });
             let warnings: String = warnings.iter().map(|w| format!("warning: {w}\n")).collect();
-            say(&format!("{}{}{warnings}", refinement_text(&found), floors.concat()))?;
+            say(&format!("{}{}{warnings}", words::refinement(&found), floors.concat()))?;
         }
     }
     Ok(ExitCode::SUCCESS)
@@ -210,7 +210,7 @@ fn refined(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
 fn moved(mut sweeps: Vec<BaseSweep>, corrections: &[(String, Motion)]) -> Vec<BaseSweep> {
     for sweep in &mut sweeps {
         if let Some((_, motion)) = corrections.iter().find(|(sensor, _)| *sensor == sweep.sensor) {
-            let after_from_before = motion.about(&sweep.origin);
+            let after_from_before = about(motion, &sweep.origin);
             sweep.points.iter_mut().for_each(|point| *point = after_from_before * *point);
         }
     }
