@@ -122,10 +122,13 @@ fn arguments(command: &str, out: &Path) -> Option<Vec<String>> {
     Some(words)
 }
 
-/// Whether a command needs what the repository does not have: weights, packages, a reader's own files.
+/// Whether a command needs what the repository does not have: weights, packages, labels, a reader's own files.
 fn needs_more(words: &[String]) -> bool {
     let has = |word: &str| words.iter().any(|one| one.contains(word));
-    words[0] == "models"
+    // The sample has no label files in JRDB's form.
+    let needs_labels = has("--dataset") && !has("--perception") && words[0] == "run";
+    needs_labels
+        || words[0] == "models"
         || ["…", "FILE", "florence2-internvl", "llmdet", "ssdlite", "questions.json"]
             .iter()
             .any(|word| has(word))

@@ -66,7 +66,7 @@ fn the_same_configuration_gives_the_same_bytes() {
     write(&generate(&config), one.path()).unwrap();
     write(&generate(&config), two.path()).unwrap();
     assert_eq!(files(one.path()), files(two.path()));
-    assert_eq!(files(one.path()).len(), 2 + 3 * 2 + 3 + 1);
+    assert_eq!(files(one.path()).len(), 2 + 3 * 2 + 3 + 3);
     for file in files(one.path()) {
         let [a, b] = [&one, &two].map(|root| std::fs::read(root.path().join(&file)).unwrap());
         assert!(a == b, "{file:?}");

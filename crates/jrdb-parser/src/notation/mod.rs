@@ -16,6 +16,7 @@ mod token;
 mod write;
 
 pub use error::NotationError;
+pub(crate) use read::parse;
 pub use read::read;
 pub use write::write;
 
