@@ -222,7 +222,8 @@ fn resolve<'s>(
     let (mut module, mut rest) = start(from, path, sources)?;
     // A name may be passed on several times; a circle of passing on ends here.
     for _ in 0..sources.len() {
-        while let Some(child) = rest.first().map(|name| [&module[..], &[name.clone()]].concat())
+        while let Some(child) =
+            rest.first().map(|name| [&module[..], std::slice::from_ref(name)].concat())
             && sources.contains_key(&child)
         {
             module = child;
