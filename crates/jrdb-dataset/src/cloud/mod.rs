@@ -1,7 +1,7 @@
 //! Point clouds of every format, by the file's name.
 //!
 //! Whatever the format: coordinates come out as `f32`; points with a coordinate that is not finite (as `f32`) are
-//! left out and counted in [`PointCloud::skipped`]; an intensity is kept when it is a float or an unsigned
+//! left out and counted in [`PointCloud::skipped`](jrdb_types::PointCloud::skipped); an intensity is kept when it is a float or an unsigned
 //! integer of at most 2 bytes; and nothing is allocated for points that the file has no bytes for.
 
 pub mod bin;
