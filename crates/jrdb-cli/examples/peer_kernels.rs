@@ -438,6 +438,7 @@ fn people(table: &str, rig: &Rig) -> Result<(Detections, Vec<usize>)> {
             Ok(cells.get(cell).context("a line of the reference is too short")?.parse()?)
         };
         detections.push(Detection {
+            camera: None,
             id: cells[0].parse::<EntityId>()?,
             category: "person".into(),
             score: 1.0,

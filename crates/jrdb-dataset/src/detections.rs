@@ -322,6 +322,7 @@ fn category(id: u64, names: &BTreeMap<u64, String>) -> String {
 
 fn detection(id: EntityId, bbox: PixelBox, score: f64) -> Detection {
     Detection {
+        camera: None,
         category: id.class.clone(),
         id,
         score,

@@ -54,6 +54,7 @@ fn frame(frame: u32) -> FrameId {
 fn person(number: u32, x: f64) -> Detection {
     let box3d = Box3d { center: [1.25, -2.0, 0.0], size: [0.9, 0.5, 1.75], heading_rad: 0.5 };
     Detection {
+        camera: None,
         id: EntityId::new("pedestrian", number),
         category: "person".into(),
         score: 1.0,

@@ -48,6 +48,7 @@ pub(crate) fn numbered(mut found: Vec<CategoryBox>) -> Vec<Detection> {
         number = if category == last { number + 1 } else { 1 };
         last.clone_from(&category);
         Detection {
+            camera: None,
             id: EntityId::new(&category, number),
             category,
             score,

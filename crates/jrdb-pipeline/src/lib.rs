@@ -12,6 +12,9 @@ mod robot;
 mod scene;
 pub mod stream;
 
+pub use jrdb_perception as perception;
+pub use jrdb_types as types;
+
 pub use config::PipelineConfig;
 pub use error::Error;
 pub use frame::{CameraImage, Frame};

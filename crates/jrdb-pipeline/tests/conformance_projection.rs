@@ -144,6 +144,7 @@ fn frame_zero() -> Option<Vec<Labelled>> {
 
 fn detections(people: &[Labelled], image: jrdb_types::ImageGeometry) -> Detections {
     let detection = |person: &Labelled| Detection {
+        camera: None,
         id: person.id.clone(),
         category: "person".into(),
         score: 1.0,

@@ -245,6 +245,7 @@ mod tests {
 
     fn person(number: u32, bbox: [f64; 4], heading_rad: Option<f64>) -> Detection {
         Detection {
+            camera: None,
             id: EntityId::new("pedestrian", number),
             category: PERSON.into(),
             score: 1.0,

@@ -56,6 +56,7 @@ fn detection(subject: &Subject<'_>, drawn: &Drawn) -> Detection {
         }
     };
     Detection {
+        camera: None,
         id: drawn.id.clone(),
         category,
         score: 1.0,

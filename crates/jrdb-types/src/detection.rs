@@ -32,6 +32,9 @@ pub struct Detection {
     /// Where, pixels.
     #[serde(rename = "box")]
     pub bbox: PixelBox,
+    /// Which camera's image the box is in; the only one of the frame when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub camera: Option<String>,
     /// What is believed of it.
     #[serde(default)]
     pub attributes: Attributes,
@@ -68,6 +71,7 @@ impl Detection {
             category: category.into(),
             score,
             bbox,
+            camera: None,
             attributes: Attributes::default(),
             interactions: Vec::new(),
             group: None,

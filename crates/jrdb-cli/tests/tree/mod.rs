@@ -25,6 +25,7 @@ fn calibration() -> OfficialCalibration {
 fn person(number: u32, [x, y]: [f64; 2], gender: Gender, bbox: [f64; 4]) -> Detection {
     let heading_rad = (-y).atan2(-x);
     Detection {
+        camera: None,
         id: EntityId::new("pedestrian", number),
         category: "person".into(),
         score: 1.0,

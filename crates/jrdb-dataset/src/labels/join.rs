@@ -85,6 +85,7 @@ impl<'a> Joined<'a> {
             .ok()?;
         let box3d = parts.space.and_then(|label| self.box3d(id, label.bbox));
         Some(Detection {
+            camera: None,
             id: id.clone(),
             category: boxes::category(id),
             score: 1.0,

@@ -101,6 +101,7 @@ fn person(line: &str) -> Option<PixelBox> {
 /// A person in this box.
 pub(crate) fn person_at(bbox: PixelBox) -> Detection {
     Detection {
+        camera: None,
         id: EntityId::new(PERSON, 1),
         category: PERSON.into(),
         score: 1.0,

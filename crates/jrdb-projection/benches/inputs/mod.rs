@@ -62,6 +62,7 @@ fn image_box(person: &Person) -> PixelBox {
 /// The first `count` people as a perfect detector sees them.
 pub(crate) fn detections(count: usize) -> Detections {
     let detection = |(number, bbox)| Detection {
+        camera: None,
         id: EntityId::new("pedestrian", number),
         category: "person".into(),
         score: 1.0,
