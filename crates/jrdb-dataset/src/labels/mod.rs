@@ -1,18 +1,20 @@
 //! The labels of a sequence: three files joined by frame and id.
 
+mod index;
 mod join;
 mod raw;
 pub(crate) mod words;
 
 pub(crate) use join::wrap_rad;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use jrdb_types::{Detections, FrameId, ImageGeometry};
 
 use crate::Error;
-use raw::{BoxLabel, Frames, SocialLabel, SpaceLabel};
+use index::LabelFile;
+use raw::{BoxLabel, SocialLabel, SpaceLabel};
 
 /// Folders of the label files under `labels/`.
 pub(crate) const BOXES: &str = "labels_2d_stitched";
@@ -21,13 +23,14 @@ pub(crate) const SOCIAL: &str = "labels_2d_activity_social_stitched";
 
 /// The labels of one sequence: 2D boxes, 3D boxes, and JRDB-Act and JRDB-Social attributes.
 ///
-/// Objects that could not be read are kept as trouble of their frame. Frame keys without an integer
+/// The files are read through once; of each only the places of the frames are kept, and a frame's labels are read when it is asked
+/// for. Objects that could not be read are trouble of their frame. Frame keys without an integer
 /// stem belong to no frame and are passed over.
 #[derive(Debug, Clone)]
 pub struct SequenceLabels {
-    boxes: Frames<BoxLabel>,
-    space: Frames<SpaceLabel>,
-    social: Frames<SocialLabel>,
+    boxes: LabelFile<BoxLabel>,
+    space: LabelFile<SpaceLabel>,
+    social: LabelFile<SocialLabel>,
 }
 
 impl SequenceLabels {
@@ -40,17 +43,17 @@ impl SequenceLabels {
             return Err(Error::Absent { expected, path: labels.into() });
         }
         Ok(Self {
-            boxes: raw::read(&paths[0])?,
-            space: raw::read(&paths[1])?,
-            social: raw::read(&paths[2])?,
+            boxes: LabelFile::open(&paths[0])?,
+            space: LabelFile::open(&paths[1])?,
+            social: LabelFile::open(&paths[2])?,
         })
     }
 
     /// Every frame that one of the files has, sorted.
     #[must_use]
     pub fn frames(&self) -> Vec<u32> {
-        let frames: BTreeSet<u32> =
-            self.boxes.keys().chain(self.space.keys()).chain(self.social.keys()).copied().collect();
+        let all = self.boxes.numbers().chain(self.space.numbers()).chain(self.social.numbers());
+        let frames: BTreeSet<u32> = all.collect();
         frames.into_iter().collect()
     }
 
@@ -65,16 +68,15 @@ impl SequenceLabels {
     ///   marked `no_eval` stay.
     #[must_use]
     pub fn detections(&self, frame: &FrameId, image: ImageGeometry) -> Detections {
+        let boxes = self.boxes.of_frame(frame.frame);
+        let space = self.space.of_frame(frame.frame);
+        let social = self.social.of_frame(frame.frame);
         let mut joined = join::Joined::default();
-        joined.add(BOXES, entries(&self.boxes, frame), |parts, label| parts.flat = Some(label));
-        joined.add(SPACE, entries(&self.space, frame), |parts, label| parts.space = Some(label));
-        joined.add(SOCIAL, entries(&self.social, frame), |parts, label| parts.social = Some(label));
+        joined.add(BOXES, &boxes, |parts, label| parts.flat = Some(label));
+        joined.add(SPACE, &space, |parts, label| parts.space = Some(label));
+        joined.add(SOCIAL, &social, |parts, label| parts.social = Some(label));
         joined.into_detections(frame, image)
     }
-}
-
-fn entries<'a, T>(frames: &'a BTreeMap<u32, Vec<T>>, frame: &FrameId) -> &'a [T] {
-    frames.get(&frame.frame).map(Vec::as_slice).unwrap_or_default()
 }
 
 #[cfg(test)]
@@ -84,20 +86,20 @@ mod tests {
 
     const IMAGE: ImageGeometry = ImageGeometry { width_px: 3760, height_px: 480, wraps: true };
 
-    fn labels(boxes: &str, space: &str, social: &str) -> SequenceLabels {
+    fn detections(boxes: &str, space: &str, social: &str) -> Detections {
         let file = |extension: &str, objects: &str| {
             format!(r#"{{"labels": {{"000007.{extension}": [{objects}]}}}}"#)
         };
-        SequenceLabels {
-            boxes: raw::parse(&file("jpg", boxes)).unwrap(),
-            space: raw::parse(&file("pcd", space)).unwrap(),
-            social: raw::parse(&file("jpg", social)).unwrap(),
-        }
-    }
-
-    fn detections(boxes: &str, space: &str, social: &str) -> Detections {
-        let frame = FrameId { sequence: "cafe".into(), frame: 7 };
-        labels(boxes, space, social).detections(&frame, IMAGE)
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: String| {
+            std::fs::create_dir_all(folder.path().join(name)).unwrap();
+            std::fs::write(folder.path().join(name).join("cafe.json"), text).unwrap();
+        };
+        write(BOXES, file("jpg", boxes));
+        write(SPACE, file("pcd", space));
+        write(SOCIAL, file("jpg", social));
+        let labels = SequenceLabels::read(folder.path(), "cafe").unwrap();
+        labels.detections(&FrameId { sequence: "cafe".into(), frame: 7 }, IMAGE)
     }
 
     fn messages(found: &Detections) -> Vec<String> {
@@ -230,11 +232,17 @@ mod tests {
 
     #[test]
     fn a_frame_that_is_not_a_list_is_an_issue_and_a_file_without_labels_an_error() {
-        let text = r#"{"labels": {"000007.jpg": 5, "8.jpg": [], "cover.jpg": []}}"#;
-        let frames = raw::parse::<BoxLabel>(text).unwrap();
-        assert_eq!(frames.keys().copied().collect::<Vec<_>>(), [7, 8]);
-        assert!(frames[&7][0].is_err());
-        assert!(raw::parse::<BoxLabel>(r#"{"detections": {}}"#).is_err());
-        assert!(raw::parse::<BoxLabel>("{").is_err());
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("cafe.json");
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            LabelFile::<BoxLabel>::open(&path)
+        };
+        let text = r#"{"labels": {"000007.jpg": 5, "8.jpg": [], "cover.jpg": []}, "more": {}}"#;
+        let file = read(text).unwrap();
+        assert_eq!(file.numbers().collect::<Vec<_>>(), [7, 8]);
+        assert!(file.of_frame(7)[0].is_err() && file.of_frame(8).is_empty());
+        assert!(read(r#"{"detections": {}}"#).is_err());
+        assert!(read("{").is_err() && read(r#"{"labels": {}} x"#).is_err());
     }
 }

@@ -1,8 +1,6 @@
 //! Label files as they are written, read so that one bad object does not spoil the others.
 
-use std::collections::BTreeMap;
 use std::fmt;
-use std::path::Path;
 
 use jrdb_types::EntityId;
 use serde::Deserialize;
@@ -10,10 +8,6 @@ use serde::de::{DeserializeOwned, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
 use crate::number::Real;
-use crate::{Error, file};
-
-/// The objects of each frame; those that could not be read say why.
-pub(super) type Frames<T> = BTreeMap<u32, Vec<Result<T, Trouble>>>;
 
 /// Why an object could not be read.
 #[derive(Debug, Clone)]
@@ -182,37 +176,8 @@ impl<'de> Visitor<'de> for KeysVisitor {
     }
 }
 
-#[derive(Deserialize)]
-struct LabelFile<'a> {
-    #[serde(borrow)]
-    labels: BTreeMap<String, &'a RawValue>,
-}
-
-/// Reads a label file; a file that is not there has no frames.
-pub(super) fn read<T: Label>(path: &Path) -> Result<Frames<T>, Error> {
-    if !path.is_file() {
-        return Ok(Frames::new());
-    }
-    let expected = "labels by frame, {\"labels\": {\"000000.jpg\": [..]}}";
-    parse(&file::read_text(path)?).map_err(|source| Error::Json {
-        expected,
-        path: path.into(),
-        source,
-    })
-}
-
-pub(super) fn parse<T: Label>(text: &str) -> Result<Frames<T>, serde_json::Error> {
-    let file: LabelFile<'_> = serde_json::from_str(text)?;
-    let mut frames = Frames::new();
-    for (key, raw) in file.labels {
-        if let Some(frame) = file::frame_number(&key) {
-            frames.entry(frame).or_default().extend(objects(raw.get()));
-        }
-    }
-    Ok(frames)
-}
-
-fn objects<T: Label>(frame: &str) -> Vec<Result<T, Trouble>> {
+/// The objects of one frame, as its part of the file says.
+pub(super) fn objects<T: Label>(frame: &str) -> Vec<Result<T, Trouble>> {
     match serde_json::from_str::<Vec<&RawValue>>(frame) {
         Ok(objects) => objects.into_iter().map(|object| self::object(object.get())).collect(),
         Err(error) => vec![Err(Trouble { subject: None, message: error.to_string() })],
