@@ -107,7 +107,12 @@ impl Parser<'_> {
 
     /// A worn thing that is an attribute of its wearer. Its colour is reported and not used.
     fn worn_thing(&mut self, pattern: &mut Pattern) -> bool {
-        let (checkpoint, start) = (self.checkpoint(), self.state.at);
+        let start = self.state.at;
+        let named = self.next_not_in(start, ARTICLES);
+        if !self.roles_at(named).has_any(Roles::of(&[Role::Worn, Role::Color])) {
+            return false;
+        }
+        let checkpoint = self.checkpoint();
         self.skip_while(ARTICLES);
         let (colors, _) = self.colors();
         let Some(worn) = self.entry().worn.clone() else {
@@ -122,7 +127,7 @@ impl Parser<'_> {
             self.report(IssueKind::NotInGraph, start, self.state.at, message);
         }
         self.bump();
-        pattern.conditions.push(worn);
+        pattern.conditions.push(*worn);
         true
     }
 

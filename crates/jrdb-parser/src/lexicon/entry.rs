@@ -35,7 +35,7 @@ pub(crate) struct Entry {
     pub(crate) color: Option<Color>,
     pub(crate) garment: Option<Garment>,
     /// What is true of the person who wears it.
-    pub(crate) worn: Option<Condition>,
+    pub(crate) worn: Option<Box<Condition>>,
 }
 
 impl Entry {

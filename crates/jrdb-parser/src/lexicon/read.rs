@@ -90,7 +90,7 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
         "asks" => put(&mut entry.asks, property(value), Role::Asks)?,
         "unsupported" => put(&mut entry.unsupported, Some(value.to_owned()), Role::Unsupported)?,
         "color" => put(&mut entry.color, Color::from_word(value), Role::Color)?,
-        "worn" => put(&mut entry.worn, condition(value), Role::Worn)?,
+        "worn" => put(&mut entry.worn, condition(value).map(Box::new), Role::Worn)?,
         "garment" => put(&mut entry.garment, garment(value), Role::Garment)?,
         "word" => Role::from_word(value)?,
         _ => return None,
