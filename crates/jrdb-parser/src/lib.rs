@@ -45,7 +45,6 @@ pub fn parse(text: &str) -> Query {
 /// ```
 #[must_use]
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
-    tracing::trace!(target: "jrdb::parse", text);
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
     Parser::new(text, config, &tokens, issues).question()

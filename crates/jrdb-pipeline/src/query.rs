@@ -36,6 +36,7 @@ pub fn read_query(text: &str, config: &ParserConfig) -> Result<Query, Error> {
 /// Reads a question; notation that does not fit together gives an empty query with an issue.
 #[must_use]
 pub fn read_or_report(text: &str, config: &ParserConfig) -> Query {
+    tracing::trace!(target: "jrdb::parse", text);
     if !notation::is_notation(text) {
         return jrdb_parser::parse_with(text, config);
     }

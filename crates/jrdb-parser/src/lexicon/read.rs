@@ -113,7 +113,7 @@ fn is_action(condition: &Condition) -> bool {
 }
 
 fn pattern(text: &str) -> Option<Pattern> {
-    Some(notation::parse(&format!("find {text}")).ok()?.target)
+    Some(notation::read(&format!("find {text}")).ok()?.target)
 }
 
 fn condition(text: &str) -> Option<Condition> {
@@ -122,7 +122,7 @@ fn condition(text: &str) -> Option<Condition> {
 
 fn property(text: &str) -> Option<jrdb_types::query::Property> {
     let Query { task: Task::Which { properties, .. }, .. } =
-        notation::parse(&format!("which {text} of person")).ok()?
+        notation::read(&format!("which {text} of person")).ok()?
     else {
         return None;
     };

@@ -16,7 +16,6 @@ mod token;
 mod write;
 
 pub use error::NotationError;
-pub(crate) use read::parse;
 pub use read::read;
 pub use write::write;
 

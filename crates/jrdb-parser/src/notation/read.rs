@@ -27,12 +27,6 @@ use super::token::Kind;
 /// # Errors
 /// [`NotationError`] at the first piece that does not fit.
 pub fn read(text: &str) -> Result<Query, NotationError> {
-    tracing::trace!(target: "jrdb::parse", text);
-    parse(text)
-}
-
-/// [`read`], for the lexicon: what its words mean is not a question.
-pub(crate) fn parse(text: &str) -> Result<Query, NotationError> {
     let mut reader = Reader::new(text);
     let mut task = reader.task()?;
     let target = reader.pattern()?;
