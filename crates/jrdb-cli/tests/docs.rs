@@ -178,6 +178,18 @@ fn every_question_of_a_table_means_what_stands_beside_it() {
     assert!(rows >= 5, "the README has questions with their queries");
 }
 
+#[test]
+fn the_library_example_of_the_readme_is_one_that_compiles() {
+    let readme = std::fs::read_to_string(root().join("README.md")).unwrap();
+    let compiled = include_str!("../examples/embed.rs");
+    let shown = readme.split("```rust").nth(1).unwrap().split("```").next().unwrap();
+    let shown: Vec<&str> = shown.lines().map(str::trim).filter(|line| !line.is_empty()).collect();
+    assert!(shown.len() >= 6, "{shown:?}");
+    for line in shown {
+        assert!(compiled.lines().any(|one| one.trim() == line), "{line}");
+    }
+}
+
 /// The folder of a package.
 fn folder_of(package: &str) -> PathBuf {
     let folder = if package == "jrdb" { "jrdb-cli" } else { package };
