@@ -3,10 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig};
+use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig, with_causes};
 
 use crate::cloud::{Fields, Reader};
-use crate::error::chain;
 use crate::image::ImageHeader;
 use crate::labels::{self, SequenceLabels};
 use crate::{Error, OfficialCalibration, file, image, rig};
@@ -49,6 +48,12 @@ impl Dataset {
     #[must_use]
     pub fn root(&self) -> &Path {
         &self.root
+    }
+
+    /// An error's text with its causes, its paths relative to the root: artefacts name no folders of the machine.
+    #[must_use]
+    pub fn error_text(&self, error: &dyn std::error::Error) -> String {
+        with_causes(error).replace(&format!("{}/", self.root.display()), "")
     }
 
     /// Names of the sequences, sorted: the folders of stitched images, or the label files where there
@@ -206,9 +211,9 @@ fn cloud(reader: &mut Reader, path: &Path, sensor: &str) -> Result<PointCloud, S
     }
     match reader.read(path, sensor, Fields::Positions) {
         Ok(cloud) => Ok(cloud),
-        Err(Error::Cloud { source, .. }) => Err(chain(&source)),
+        Err(Error::Cloud { source, .. }) => Err(with_causes(&source)),
         Err(Error::Read { source, .. }) => Err(source.to_string()),
-        Err(error) => Err(chain(&error)),
+        Err(error) => Err(with_causes(&error)),
     }
 }
 

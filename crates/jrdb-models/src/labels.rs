@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jrdb_dataset::{Dataset, SequenceLabels};
 use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
-use jrdb_types::{Detections, FrameId, with_causes};
+use jrdb_types::{Detections, FrameId};
 
 /// The labels of some sequences, read once.
 #[derive(Debug, Default)]
@@ -17,15 +17,10 @@ impl Labels {
     pub fn read<'a>(sequences: impl IntoIterator<Item = (&'a Dataset, &'a str)>) -> Self {
         let read = |(dataset, name): (&Dataset, &str)| {
             let labels = dataset.labels(name);
-            (name.to_owned(), labels.map_err(|error| without_root(&error, dataset)))
+            (name.to_owned(), labels.map_err(|error| dataset.error_text(&error)))
         };
         Self { sequences: sequences.into_iter().map(read).collect() }
     }
-}
-
-/// An error's text with its causes, without the dataset's root: artefacts name no host paths.
-fn without_root(error: &dyn std::error::Error, dataset: &Dataset) -> String {
-    with_causes(error).replace(&format!("{}/", dataset.root().display()), "")
 }
 
 impl Perceive for Labels {
