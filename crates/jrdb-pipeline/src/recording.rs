@@ -1,6 +1,6 @@
 //! Several frames of one recording, for questions about time.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use jrdb_search::Pooling;
 use jrdb_types::{Answer, Query, SceneGraph};
@@ -12,6 +12,8 @@ use crate::{Error, PipelineConfig, Scene};
 #[derive(Default)]
 pub struct Recording {
     graphs: Vec<SceneGraph>,
+    /// The graphs as the benchmark's engine has them, made by the first question that needs them.
+    timeless: OnceLock<Vec<SceneGraph>>,
     config: Option<Arc<PipelineConfig>>,
 }
 
@@ -24,14 +26,18 @@ impl Recording {
 
     /// Adds the next frame.
     pub fn push(&mut self, scene: Scene) {
-        self.config = Some(Arc::clone(&scene.config));
-        self.graphs.push(scene.into_graph());
+        self.add(Arc::clone(&scene.config), scene.into_graph());
     }
 
     /// Adds the next frame and leaves the scene to others.
     pub fn push_graph_of(&mut self, scene: &Scene) {
-        self.config = Some(Arc::clone(&scene.config));
-        self.graphs.push(scene.graph().clone());
+        self.add(Arc::clone(&scene.config), scene.graph().clone());
+    }
+
+    fn add(&mut self, config: Arc<PipelineConfig>, graph: SceneGraph) {
+        self.config = Some(config);
+        self.graphs.push(graph);
+        self.timeless = OnceLock::new();
     }
 
     /// How many frames there are.
@@ -64,13 +70,20 @@ impl Recording {
         let slots: Vec<Vec<usize>> =
             slots.iter().map(|frames| frames.iter().filter_map(at).collect()).collect();
         let slots = (!slots.is_empty()).then_some(slots.as_slice());
-        if config.search.pooling == Pooling::PerCondition {
-            // The benchmark's engine, whose edges carry no frame.
+        let graphs = match config.search.pooling {
+            Pooling::PerCondition => self.timeless(),
+            _ => &self.graphs,
+        };
+        jrdb_search::search_frames(graphs, slots, query, &config.search)
+    }
+
+    /// The benchmark's engine has edges that carry no frame.
+    fn timeless(&self) -> &[SceneGraph] {
+        self.timeless.get_or_init(|| {
             let mut timeless = self.graphs.clone();
             jrdb_graph::make_timeless(&mut timeless);
-            return jrdb_search::search_frames(&timeless, slots, query, &config.search);
-        }
-        jrdb_search::search_frames(&self.graphs, slots, query, &config.search)
+            timeless
+        })
     }
 
     fn config(&self) -> Arc<PipelineConfig> {
