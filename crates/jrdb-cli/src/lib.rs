@@ -2,7 +2,6 @@
 
 pub mod calib;
 pub mod evaluation;
-pub mod misses;
 pub mod output;
 pub mod questions;
 pub mod report;

@@ -1,14 +1,15 @@
 //! Results for people and for programs.
 
+use jrdb_metrics::Outcome;
 use jrdb_pipeline::PipelineConfig;
 use jrdb_types::detection::PERSON;
 use jrdb_types::score::QuestionScore;
 use jrdb_types::{Answer, Artefact, EntityId, FrameId, Query, with_causes};
 use serde_json::{Value, json};
 
-use crate::misses;
 use crate::questions::Answered;
 use crate::result::{FrameOutput, FrameResult, RunSummary};
+use crate::run::metrics_config;
 
 /// How many candidates of one answer are explained on the terminal.
 const EXPLAINED_MAX: usize = 6;
@@ -21,7 +22,7 @@ pub enum Detail {
     Brief,
     /// Every condition with its number and margin, and the nearest misses.
     Full,
-    /// Only what is not as the truth says, with what led to it, and how many questions are.
+    /// How many questions are answered as the truth says, and the others with what led to it.
     Misses,
 }
 
@@ -137,14 +138,19 @@ fn misses_text(
     FrameOutput { scene, answered }: &FrameOutput,
     telling: &Telling,
 ) {
-    let verdicts = answered.iter().filter_map(|one| one.score.as_ref()?.exact);
-    let exact = verdicts.clone().filter(|is_exact| *is_exact).count();
-    line(text, &format!("  {exact} of {} questions are answered exactly", verdicts.count()));
-    let is_told = |one: &&Answered| one.score.as_ref().and_then(|score| score.exact) != Some(true);
-    for one in answered.iter().filter(is_told) {
+    let verdict = |one: &Answered| one.score.as_ref().and_then(|score| score.exact);
+    let verdicts: Vec<bool> = answered.iter().filter_map(verdict).collect();
+    if !verdicts.is_empty() {
+        let exact = verdicts.iter().filter(|is_exact| **is_exact).count();
+        line(text, &format!("  {exact} of {} questions are answered exactly", verdicts.len()));
+    }
+    let detections = scene.detections();
+    let config = metrics_config(scene.config(), detections.image);
+    for one in answered.iter().filter(|one| verdict(one) != Some(true)) {
         answered_text(text, one, telling);
-        for reason in misses::reasons(one, scene) {
-            line(text, &format!("    because {reason}"));
+        let outcome = Outcome { question: &one.question, answer: &one.answer };
+        for miss in jrdb_metrics::misses(outcome, &detections.detections, &config) {
+            line(text, &format!("    because {}", jrdb_render::miss(&miss, &one.answer)));
         }
     }
 }

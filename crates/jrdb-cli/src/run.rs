@@ -19,7 +19,7 @@ use jrdb_pipeline::{
     Frame, Pipeline, PipelineConfig, PlacedFrame, Recording, Robot, Scene, baseline,
 };
 use jrdb_projection::Motions;
-use jrdb_types::{Answer, FrameId, Query, Question};
+use jrdb_types::{Answer, FrameId, ImageGeometry, Query, Question};
 
 use crate::Error;
 use crate::output::{Layout, Writer, Written};
@@ -104,7 +104,7 @@ impl<'o> Run<'o> {
         });
         let pool = pool(options.threads)?;
         let threads = NonZeroUsize::new(pool.current_num_threads()).unwrap_or(NonZeroUsize::MIN);
-        let metrics = metrics_config(&options.config, &frames[0].robot);
+        let metrics = metrics_config(&options.config, frames[0].robot.image());
         let perception = Arc::new(perception);
         Ok(Self { options, frames, questions, perception, config, metrics, writer, threads, pool })
     }
@@ -147,7 +147,7 @@ impl<'o> Run<'o> {
             let frames = self.frames.iter().zip(&self.questions.per_frame);
             in_order(frames, self.threads, work, each);
         }
-        let summary = tally.summary()?;
+        let summary = tally.summary();
         if let Some(writer) = &self.writer {
             for (index, answered) in summary.recordings.iter().enumerate() {
                 writer.recording(index, answered)?;
@@ -252,8 +252,8 @@ fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
 }
 
 /// The metrics' configuration, with the panorama's circumference when nobody has set it.
-fn metrics_config(config: &PipelineConfig, robot: &Robot) -> MetricsConfig {
-    let period_px = config.metrics.period_px.or_else(|| robot.image().period_px());
+pub(crate) fn metrics_config(config: &PipelineConfig, image: ImageGeometry) -> MetricsConfig {
+    let period_px = config.metrics.period_px.or_else(|| image.period_px());
     MetricsConfig { period_px, ..config.metrics.clone() }
 }
 
@@ -306,7 +306,7 @@ impl<'r> Tally<'r> {
         }
     }
 
-    fn summary(mut self) -> Result<RunSummary, Error> {
+    fn summary(mut self) -> RunSummary {
         let recordings: Vec<Answered> = self
             .recordings
             .values()
@@ -325,6 +325,6 @@ impl<'r> Tally<'r> {
         let scores =
             (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &self.run.metrics));
         let unasked = self.run.questions.unasked;
-        Ok(RunSummary { recordings, scores, unasked, failures: self.failures })
+        RunSummary { recordings, scores, unasked, failures: self.failures }
     }
 }

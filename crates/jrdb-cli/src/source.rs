@@ -9,7 +9,7 @@ use jrdb_models::loader::EngineOptions;
 use jrdb_models::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
 use jrdb_pipeline::{CameraImage, Frame, Robot};
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{FrameId, Image, Issue, PointCloud, Questions, with_causes};
+use jrdb_types::{FrameId, Image, Issue, PointCloud, Questions};
 
 use crate::Error;
 
@@ -193,7 +193,7 @@ impl FrameSource {
     }
 
     fn missing(&self, error: &jrdb_dataset::Error) -> Issue {
-        Issue::new(IssueKind::MissingInput, without_root(error, self.dataset.root()))
+        Issue::new(IssueKind::MissingInput, self.dataset.error_text(error))
     }
 
     fn fits(&self, found: [usize; 2]) -> Result<(), Issue> {
@@ -235,10 +235,4 @@ pub fn open_perception(
     }
     let options = PerceptionOptions { engine: engine.clone(), demographics, sequences };
     Ok(Perception::open_source(source, &options)?)
-}
-
-/// An error's text with its causes and without the path of the dataset's root: artefacts name no host
-/// paths.
-fn without_root(error: &dyn std::error::Error, root: &Path) -> String {
-    with_causes(error).replace(&format!("{}/", root.display()), "")
 }

@@ -30,7 +30,7 @@ impl Default for MetricsConfig {
 }
 
 impl MetricsConfig {
-    fn circle_px(&self) -> Option<f64> {
+    pub(crate) fn circle_px(&self) -> Option<f64> {
         self.period_px.filter(|period| self.iou == IouKind::Circular && *period > 0.0)
     }
 }

@@ -1,6 +1,7 @@
 //! Why something is not in an answer, in words.
 
 use jrdb_types::answer::{Reason, WhyNot};
+use jrdb_types::score::Miss;
 use jrdb_types::{Answer, EntityId};
 
 use crate::check::{asked, found_or_unknown, margin};
@@ -33,6 +34,31 @@ pub fn why_not(answer: &Answer, id: &EntityId) -> String {
             format!("others fit better: probability {probability:.2}, selected from {least:.2}")
         }
         WhyNot::Fails(reasons) => reasons.iter().map(reason).collect::<Vec<_>>().join("\n"),
+    }
+}
+
+/// One difference between an answer and the truth, with the reason where the answer knows it: `#7 is not chosen: age young:
+/// elderly (0.80)`.
+///
+/// ```
+/// use jrdb_types::score::Miss;
+/// use jrdb_types::vocab::MatchPolicy;
+/// use jrdb_types::{Answer, EntityId, FrameId, LateralConvention, Query};
+/// let (frame, query) = (FrameId::default(), Query::default());
+/// let answer = Answer::new(frame, &query, MatchPolicy::Ranked, LateralConvention::Physical);
+/// let miss = Miss::NotMeant(EntityId::new("pedestrian", 7));
+/// assert_eq!(jrdb_render::miss(&miss, &answer), "#7 is not meant");
+/// ```
+#[must_use]
+pub fn miss(miss: &Miss, answer: &Answer) -> String {
+    match miss {
+        Miss::NotDetected(there) => {
+            format!("nothing was detected at {:.0}, {:.0} px", there.x, there.y)
+        }
+        Miss::NotSelected(id) => {
+            format!("{} is not chosen: {}", id.short(), why_not(answer, id).replace('\n', "; "))
+        }
+        Miss::NotMeant(id) => format!("{} is not meant", id.short()),
     }
 }
 

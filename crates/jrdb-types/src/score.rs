@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
-use crate::id::FrameId;
+use crate::geometry::PixelBox;
+use crate::id::{EntityId, FrameId};
 
 /// Which intersection over union was used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
@@ -41,6 +42,18 @@ pub struct QuestionScore {
     pub false_negatives: usize,
     /// Sum of the IoU of the matched boxes.
     pub matched_iou: f64,
+}
+
+/// One difference between an answer and the truth.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Miss {
+    /// Nothing was detected where the truth has this box, pixels.
+    NotDetected(PixelBox),
+    /// It was detected and is meant, but not selected.
+    NotSelected(EntityId),
+    /// It is selected and not meant.
+    NotMeant(EntityId),
 }
 
 /// Scores of a set of questions.

@@ -117,12 +117,13 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
                 ControlFlow::Break(())
             }
         }
-    })?;
+    });
     progress.finish();
     tell_profile(&options.engine);
     if let Some(error) = failed {
         return Err(error);
     }
+    let summary = summary?;
     printer.end(&summary)?;
     if let (Format::Text, Some(out)) = (args.format, &args.out) {
         say(&format!("answers and pictures are in {}\n", out.display()))?;
