@@ -91,7 +91,7 @@ pub(crate) const LAW: &[Row] = &[
     stage(
         "jrdb-draw",
         "pictures: panorama, view from above, overlay",
-        &["jrdb-types", "jrdb-projection"],
+        &["jrdb-types", "jrdb-projection", "jrdb-render"],
     ),
     Row {
         name: "jrdb-synth",

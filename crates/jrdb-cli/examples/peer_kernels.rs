@@ -454,5 +454,5 @@ fn people(table: &str, rig: &Rig) -> Result<(Detections, Vec<usize>)> {
     }
     let frame = FrameId { sequence: SEQUENCE.into(), frame: 0 };
     let image = rig.cameras.first().context("the rig has no camera")?.lens.image();
-    Ok((Detections { frame, image, detections, issues: Vec::new() }, points))
+    Ok((Detections::new(frame, image, detections), points))
 }

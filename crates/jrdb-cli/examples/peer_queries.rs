@@ -281,6 +281,7 @@ fn graph(value: &Value) -> Outcome<SceneGraph> {
         nodes: list(&value["nodes"])?.iter().map(node).collect::<Outcome<_>>()?,
         edges,
         between: Vec::new(),
+        capabilities: Some(Capabilities::open()),
         issues: Vec::new(),
     })
 }

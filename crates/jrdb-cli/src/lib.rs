@@ -2,6 +2,7 @@
 
 pub mod calib;
 pub mod evaluation;
+pub mod health;
 pub mod output;
 pub mod questions;
 pub mod report;

@@ -7,6 +7,7 @@ use jrdb_types::score::QuestionScore;
 use jrdb_types::{Answer, Artefact, EntityId, FrameId, Query, with_causes};
 use serde_json::{Value, json};
 
+use crate::health::{self, FrameHealth};
 use crate::questions::Answered;
 use crate::result::{FrameOutput, FrameResult, RunSummary};
 use crate::run::metrics_config;
@@ -67,34 +68,76 @@ pub fn summary(summary: &RunSummary, telling: &Telling) -> String {
     text
 }
 
-/// One JSON document, `{"answers": [..], "failures": [..], "scores": ..}`, printed while the run goes on: answers and scores
-/// are artefacts.
-#[derive(Debug, Default)]
+/// Results for programs, printed while the run goes on. Answers and scores are artefacts.
+#[derive(Debug)]
 pub struct JsonReport {
+    form: JsonForm,
     answers: usize,
+    frames: Vec<FrameHealth>,
+}
+
+/// How results for programs are laid out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum JsonForm {
+    /// One document: `{"answers": [..], "frames": [..], "failures": [..], "summary": {..}, "scores": ..}`.
+    Document,
+    /// A line for each answer, and a last line with the same document without its answers.
+    Lines,
 }
 
 impl JsonReport {
-    /// What an answer adds to the document.
+    /// A report without answers yet.
+    #[must_use]
+    pub fn new(form: JsonForm) -> Self {
+        Self { form, answers: 0, frames: Vec::new() }
+    }
+
+    /// What a frame adds to the report.
+    #[must_use]
+    pub fn frame(&mut self, output: &FrameOutput, config: &PipelineConfig) -> String {
+        self.frames.push(FrameHealth::of(output));
+        output.answered.iter().map(|one| self.answer(&one.answer, config)).collect()
+    }
+
+    /// What an answer adds to the report.
     #[must_use]
     pub fn answer(&mut self, answer: &Answer, config: &PipelineConfig) -> String {
         let artefact = Artefact::new(json!(config.search), jrdb_render::with_words(answer.clone()));
-        let before = if self.answers == 0 { "{\n  \"answers\": [\n    " } else { ",\n    " };
         self.answers += 1;
-        format!("{before}{}", pretty(&json!(artefact), "    "))
+        match (self.form, self.answers) {
+            (JsonForm::Lines, _) => format!("{}\n", json!(artefact)),
+            (JsonForm::Document, 1) => {
+                format!("{{\n  \"answers\": [\n    {}", pretty(&json!(artefact), "    "))
+            }
+            (JsonForm::Document, _) => format!(",\n    {}", pretty(&json!(artefact), "    ")),
+        }
     }
 
-    /// The rest of the document.
+    /// The rest of the report. Of lines, only the frames with issues are in it.
     #[must_use]
-    pub fn end(self, summary: &RunSummary, config: &PipelineConfig) -> String {
+    pub fn end(mut self, summary: &RunSummary, config: &PipelineConfig) -> String {
         let failure =
             |(frame, error): &(FrameId, String)| json!({ "frame": frame, "error": error });
         let failures: Vec<Value> = summary.failures.iter().map(failure).collect();
         let scores = summary.scores.clone();
         let scores = scores.map(|scores| json!(Artefact::new(json!(config.metrics), scores)));
+        if self.form == JsonForm::Lines {
+            self.frames.retain(|frame| !frame.issues.is_empty());
+        }
+        let rest = [
+            ("frames", json!(self.frames)),
+            ("failures", json!(failures)),
+            ("summary", json!(summary.health)),
+            ("scores", json!(scores)),
+        ];
+        if self.form == JsonForm::Lines {
+            let rest: serde_json::Map<String, Value> =
+                rest.into_iter().map(|(name, value)| (name.into(), value)).collect();
+            return format!("{}\n", Value::Object(rest));
+        }
         let answers = if self.answers == 0 { "{\n  \"answers\": []" } else { "\n  ]" };
-        let (failures, scores) = (pretty(&json!(failures), "  "), pretty(&json!(scores), "  "));
-        format!("{answers},\n  \"failures\": {failures},\n  \"scores\": {scores}\n}}\n")
+        let rest = rest.map(|(name, value)| format!(",\n  \"{name}\": {}", pretty(&value, "  ")));
+        format!("{answers}{}\n}}\n", rest.concat())
     }
 }
 
@@ -120,8 +163,7 @@ fn frame_text(text: &mut String, output: &FrameOutput, telling: &Telling) {
         text,
         &format!("{frame}: {people} people, {objects} objects, {placed} of them placed in 3D"),
     );
-    for note in jrdb_render::notes(scene.detections().issues.iter().chain(&scene.entities().issues))
-    {
+    for note in jrdb_render::notes(&health::issues(scene)) {
         line(text, &format!("  {note}"));
     }
     if telling.detail == Detail::Misses {

@@ -4,6 +4,7 @@ use jrdb_pipeline::Scene;
 use jrdb_types::{FrameId, Scores};
 
 use crate::Error;
+use crate::health::Health;
 use crate::questions::Answered;
 
 /// One frame's result.
@@ -33,4 +34,6 @@ pub struct RunSummary {
     pub unasked: usize,
     /// Frames that could not be done, and why.
     pub failures: Vec<(FrameId, String)>,
+    /// How many frames were good, and how many questions are open.
+    pub health: Health,
 }

@@ -22,6 +22,7 @@ use jrdb_projection::Motions;
 use jrdb_types::{Answer, FrameId, ImageGeometry, Query, Question};
 
 use crate::Error;
+use crate::health::{FrameHealth, Health};
 use crate::output::{Layout, Writer, Written};
 use crate::questions::{Answered, FrameQuestions, ReadQuestion};
 use crate::result::{FrameOutput, FrameResult, RunSummary};
@@ -264,6 +265,7 @@ struct Tally<'r> {
     recordings: BTreeMap<&'r str, (Vec<&'r ReadQuestion>, Recording)>,
     scored: Vec<(Question, Answer)>,
     failures: Vec<(FrameId, String)>,
+    health: Health,
 }
 
 impl<'r> Tally<'r> {
@@ -281,7 +283,8 @@ impl<'r> Tally<'r> {
                 }
             }
         }
-        Self { run, recordings, scored: Vec::new(), failures: Vec::new() }
+        let (scored, failures, health) = Default::default();
+        Self { run, recordings, scored, failures, health }
     }
 
     fn add(&mut self, result: &FrameResult) {
@@ -291,8 +294,10 @@ impl<'r> Tally<'r> {
                     recording.push_graph_of(&output.scene);
                 }
                 output.answered.iter().for_each(|answered| self.keep(answered));
+                self.health.add(&FrameHealth::of(output));
             }
             Err(error) => {
+                self.health.add_failed();
                 self.failures.push((result.id.clone(), jrdb_types::with_causes(error)));
             }
         }
@@ -300,6 +305,7 @@ impl<'r> Tally<'r> {
 
     /// Keeps what scores need: not the trace, which is most of an answer.
     fn keep(&mut self, answered: &Answered) {
+        self.health.add_answer(answered.answer.status);
         if answered.score.is_some() {
             let answer = Answer { trace: Vec::new(), ..answered.answer.clone() };
             self.scored.push((answered.question.clone(), answer));
@@ -325,6 +331,6 @@ impl<'r> Tally<'r> {
         let scores =
             (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &self.run.metrics));
         let unasked = self.run.questions.unasked;
-        RunSummary { recordings, scores, unasked, failures: self.failures }
+        RunSummary { recordings, scores, unasked, failures: self.failures, health: self.health }
     }
 }

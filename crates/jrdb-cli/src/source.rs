@@ -199,8 +199,11 @@ impl FrameSource {
     fn fits(&self, found: [usize; 2]) -> Result<(), Issue> {
         let geometry = self.robot.image();
         let expected = [geometry.width_px, geometry.height_px].map(|side| side as usize);
+        let file = self.dataset.image_name(&self.id.sequence, self.id.frame);
         let message = || {
-            format!("expected an image of {expected:?} px as in the calibration, found {found:?}")
+            format!(
+                "expected an image of {expected:?} px as in the calibration, found {found:?} in {file}"
+            )
         };
         let is_right = found == expected;
         is_right.then_some(()).ok_or_else(|| Issue::new(IssueKind::MissingInput, message()))

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use jrdb_cli::report::JsonReport;
 use jrdb_cli::report::Telling;
+use jrdb_cli::report::{JsonForm, JsonReport};
 use jrdb_cli::source::Source;
 use jrdb_cli::{Run, RunOptions, report};
 
@@ -41,7 +41,7 @@ fn outcome(threads: usize) -> (BTreeMap<PathBuf, Vec<u8>>, String) {
         ..RunOptions::default()
     };
     let run = Run::open(&options).unwrap();
-    let (mut text, mut json) = (run.notes().concat(), JsonReport::default());
+    let (mut text, mut json) = (run.notes().concat(), JsonReport::new(JsonForm::Document));
     let telling = Telling::default();
     let summary = run.execute(|result| {
         text += &report::frame(&result, &telling);

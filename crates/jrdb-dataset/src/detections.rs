@@ -298,7 +298,7 @@ impl Source<'_> {
             .collect();
         detections.sort_by(|a, b| a.id.cmp(&b.id));
         let frame = FrameId { sequence: self.sequence.into(), frame };
-        Detections { frame, image: self.image, detections, issues }
+        Detections { issues, ..Detections::new(frame, self.image, detections) }
     }
 }
 

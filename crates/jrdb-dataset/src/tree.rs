@@ -140,6 +140,13 @@ impl Dataset {
         image::read_header(&self.image_path(sequence, frame)?)
     }
 
+    /// The file of a frame's stitched image, from the tree's root; its folder when there is none.
+    #[must_use]
+    pub fn image_name(&self, sequence: &str, frame: u32) -> String {
+        let path = self.image_path(sequence, frame).unwrap_or_else(|_| self.images(sequence));
+        path.strip_prefix(&self.root).unwrap_or(&path).display().to_string()
+    }
+
     fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
         find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {

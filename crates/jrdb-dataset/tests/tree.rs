@@ -100,6 +100,7 @@ fn labelled() -> LabelledFrame {
         frame: frame(3),
         image: geometry(),
         detections: vec![talker, listener, stranger, table],
+        capabilities: None,
         issues: vec![],
     };
     LabelledFrame {

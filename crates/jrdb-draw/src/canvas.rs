@@ -85,6 +85,12 @@ impl Canvas {
         self.line(&[[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]], color, width);
     }
 
+    /// A rectangle's outline, dashed.
+    pub fn dashed_rect(&mut self, [x, y, w, h]: [f64; 4], color: Color, width: f32) {
+        let corners = [[x, y], [x + w, y], [x + w, y + h], [x, y + h], [x, y]];
+        self.dashed_line(&corners, color, width);
+    }
+
     /// A line through points.
     pub fn line(&mut self, points: &[[f64; 2]], color: Color, width: f32) {
         self.stroke(points, color, width, None);

@@ -1,7 +1,5 @@
 //! The panorama with everyone's box, the answer highlighted.
 
-use jrdb_types::EntityId;
-use jrdb_types::answer::Reply;
 use jrdb_types::{Entity, Image, PixelBox};
 
 use crate::canvas::{Letters, text_size};
@@ -11,7 +9,7 @@ use crate::{BLACK, Canvas, Caption, Color, FrameView, Role, WHITE, witnesses};
 const STRIP_PX: usize = 104;
 
 /// The panorama below a strip with question and answer: every box with its id and distance, the
-/// selected ones green, their partners orange. A box across the seam is drawn as its two parts.
+/// selected ones green, their partners orange, guesses dashed and grey. A box across the seam is drawn as its two parts.
 /// Without a picture the ground is grey.
 #[must_use]
 pub fn draw_panorama(frame: &FrameView<'_>, caption: Option<Caption<'_>>) -> Image {
@@ -38,16 +36,8 @@ pub fn draw_panorama(frame: &FrameView<'_>, caption: Option<Caption<'_>>) -> Ima
 
 fn strip(canvas: &mut Canvas, Caption { question, answer }: Caption<'_>) {
     canvas.text(question, [16.0, 8.0], Letters::Huge, WHITE);
-    let count = match &answer.reply {
-        Reply::Things | Reply::Properties(_) => String::new(),
-        Reply::Number(number) => format!("{number}: "),
-        Reply::YesNo(true) => "yes: ".into(),
-        Reply::YesNo(false) => "no: ".into(),
-    };
-    let names: Vec<String> = answer.selection.iter().map(EntityId::short).collect();
-    let names = if names.is_empty() { "none".into() } else { names.join(" ") };
-    let words = format!("answer: {count}{names}");
-    canvas.text(&words, [16.0, 54.0], Letters::Huge, crate::ANSWER);
+    let words = format!("answer: {}", jrdb_render::headline(answer));
+    canvas.text(&words, [16.0, 54.0], Letters::Huge, crate::reply_color(answer.status));
     let partners: Vec<String> = witnesses(answer)
         .map(|(of, partner)| format!("{} with {}", of.short(), partner.short()))
         .collect();
@@ -74,11 +64,11 @@ fn draw_box(canvas: &mut Canvas, entity: &Entity, role: Role, width: f64) {
         let y = y + STRIP_PX as f64;
         // Outlines stay inside the box, so that neighbours can be told apart.
         let inset = f64::from(stroke) / 2.0;
-        canvas.rect(
-            [x + inset, y + inset, (w - 2.0 * inset).max(0.0), (h - 2.0 * inset).max(0.0)],
-            color,
-            stroke,
-        );
+        let rect = [x + inset, y + inset, (w - 2.0 * inset).max(0.0), (h - 2.0 * inset).max(0.0)];
+        match role {
+            Role::Guess => canvas.dashed_rect(rect, color, stroke),
+            _ => canvas.rect(rect, color, stroke),
+        }
         label(canvas, &text, [x, y], color, role);
     }
 }

@@ -69,7 +69,8 @@ pub fn build(entities: &Entities, config: &GraphConfig) -> SceneGraph {
     edges.sort_by(|a, b| (&a.from, &a.to).cmp(&(&b.from, &b.to)));
     let (frame, issues) = (entities.frame.clone(), entities.issues.clone());
     let between = entities.between.clone();
-    SceneGraph { frame, lateral: entities.lateral, nodes, edges, between, issues }
+    let (lateral, capabilities) = (entities.lateral, entities.capabilities.clone());
+    SceneGraph { frame, lateral, nodes, edges, between, capabilities, issues }
 }
 
 /// The number behind a word of a pair.
@@ -145,6 +146,7 @@ mod tests {
             entities: vec![second, person(1, Some(Occlusion::FullyOccluded)), person(3, None)],
             relations: vec![pair(2, 1, DistanceWord::Close), pair(1, 3, DistanceWord::Far)],
             between: Vec::new(),
+            capabilities: None,
             issues: Vec::new(),
         }
     }

@@ -9,7 +9,8 @@ use std::sync::{Arc, OnceLock};
 use jrdb_types::detection::PERSON;
 use jrdb_types::entity::Between;
 use jrdb_types::{
-    Direction, DistanceWord, EdgeRelation, EntityId, Node, SceneGraph, SpatialRelation,
+    Capabilities, Direction, DistanceWord, EdgeRelation, EntityId, Node, SceneGraph,
+    SpatialRelation,
 };
 
 use petgraph::unionfind::UnionFind;
@@ -52,6 +53,8 @@ pub(crate) struct Tables {
     runs: Runs,
     /// The one between, the two ends, and the entry's place in the scene's list.
     between: Vec<(u32, [u32; 2], u32)>,
+    /// What occurs in the graph; made when it is first asked for.
+    occurring: OnceLock<Capabilities>,
 }
 
 /// One end of an edge of the scene's list.
@@ -90,6 +93,14 @@ impl<'a> GraphIndex<'a> {
     #[must_use]
     pub fn scene(&self) -> &'a SceneGraph {
         self.scene
+    }
+
+    /// What could have been seen: what the graph states, or what occurs in it.
+    #[must_use]
+    pub fn capabilities(&self) -> &Capabilities {
+        let occurring = || jrdb_types::graph::occurring(self.scene);
+        let stated = self.scene.capabilities.as_ref();
+        stated.unwrap_or_else(|| self.tables.occurring.get_or_init(occurring))
     }
 
     /// How many nodes there are: they have the numbers below.
@@ -232,9 +243,19 @@ impl Tables {
         }
         let ends = adjacency::in_order(ends, size);
         let runs = adjacency::runs(&ends, size);
-        let (outgoing, incoming, between) = Default::default();
-        let mut tables =
-            Self { nodes, ids, outside, columns, ends, outgoing, incoming, runs, between };
+        let (outgoing, incoming, between, occurring) = Default::default();
+        let mut tables = Self {
+            nodes,
+            ids,
+            outside,
+            columns,
+            ends,
+            outgoing,
+            incoming,
+            runs,
+            between,
+            occurring,
+        };
         tables.between = tables.numbered_between(scene);
         tables
     }

@@ -11,10 +11,7 @@ use crate::index::{GraphIndex, Tables};
 /// ```
 /// use jrdb_graph::IndexedGraph;
 /// use jrdb_types::{FrameId, LateralConvention, SceneGraph};
-/// # let graph = SceneGraph {
-/// #     frame: FrameId::default(), lateral: LateralConvention::Physical,
-/// #     nodes: vec![], edges: vec![], between: vec![], issues: vec![],
-/// # };
+/// # let graph = SceneGraph::new(FrameId::default(), LateralConvention::Physical, vec![]);
 /// let graph = IndexedGraph::new(graph);
 /// assert_eq!(graph.index().node_count(), graph.graph().nodes.len());
 /// ```

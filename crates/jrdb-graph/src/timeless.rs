@@ -11,10 +11,8 @@ use jrdb_types::{Edge, EdgeRelation, SceneGraph};
 /// use jrdb_types::{Edge, EdgeRelation, EntityId, FrameId, LateralConvention, SceneGraph};
 /// let id = |number| EntityId::new("pedestrian", number);
 /// let relation = EdgeRelation::Interaction { label: "hugging".into() };
-/// let then = SceneGraph {
-///     frame: FrameId::default(), lateral: LateralConvention::Physical, nodes: vec![],
-///     edges: vec![Edge { from: id(1), to: id(2), relation }], between: vec![], issues: vec![],
-/// };
+/// let mut then = SceneGraph::new(FrameId::default(), LateralConvention::Physical, vec![]);
+/// then.edges = vec![Edge { from: id(1), to: id(2), relation }];
 /// let mut recording = [then.clone(), SceneGraph { edges: vec![], ..then }];
 /// jrdb_graph::make_timeless(&mut recording);
 /// assert_eq!(recording[1].edges, recording[0].edges);

@@ -55,15 +55,16 @@ pub struct Outcome<'a> {
 ///
 /// ```
 /// use jrdb_metrics::{MetricsConfig, Outcome, evaluate};
-/// # use jrdb_types::{answer::{Ranked, Reply}, vocab::MatchPolicy, *};
+/// # use jrdb_types::{answer::Ranked, vocab::MatchPolicy, *};
 /// # let id = EntityId::new("pedestrian", 3);
 /// # let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
 /// # let frame = FrameId { sequence: "cafe".into(), frame: 0 };
 /// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], count: None };
 /// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), slots: vec![], truth: Some(truth) };
-/// # let answer = Answer { frame, question: "Find all men".into(), task: Task::Find, policy: MatchPolicy::Ranked,
-/// #     lateral: LateralConvention::Physical, selection: vec![id.clone()], reply: Reply::Things,
-/// #     ranking: vec![Ranked { id, bbox, probability: 0.9 }], trace: vec![], slots: vec![], sensitivity: vec![], issues: vec![] };
+/// # let query = Query { text: "Find all men".into(), ..Query::default() };
+/// # let answer = Answer::new(frame, &query, MatchPolicy::Ranked, LateralConvention::Physical);
+/// # let ranking = vec![Ranked { id: id.clone(), bbox, probability: 0.9 }];
+/// # let answer = Answer { selection: vec![id], ranking, ..answer };
 /// let scores = evaluate(&[Outcome { question: &question, answer: &answer }], &MetricsConfig::default());
 /// assert_eq!(scores.overall.exact, 1);
 /// assert_eq!(scores.categories["gender"].miou_gt, 1.0);
@@ -203,9 +204,9 @@ fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jrdb_types::answer::{Ranked, Reply, Sighting, SlotAnswer};
+    use jrdb_types::answer::{Count, Ranked, Reply, Sighting, SlotAnswer};
     use jrdb_types::vocab::MatchPolicy;
-    use jrdb_types::{FrameId, LateralConvention, Task};
+    use jrdb_types::{FrameId, LateralConvention, Query};
     use proptest::prelude::*;
 
     fn id(number: u32) -> EntityId {
@@ -233,23 +234,16 @@ mod tests {
         let ranked = |probability| {
             move |&n: &u32| Ranked { id: id(n), bbox: at(f64::from(n) * 100.0), probability }
         };
+        let query = Query { text: "Find them".into(), ..Query::default() };
+        let (policy, lateral) = (MatchPolicy::Ranked, LateralConvention::Physical);
         Answer {
-            frame: FrameId::default(),
-            question: "Find them".into(),
-            task: Task::Find,
-            policy: MatchPolicy::Ranked,
-            lateral: LateralConvention::Physical,
             selection: selected.iter().map(|&n| id(n)).collect(),
-            reply: Reply::Things,
             ranking: selected
                 .iter()
                 .map(ranked(0.9))
                 .chain(others.iter().map(ranked(0.1)))
                 .collect(),
-            trace: vec![],
-            slots: vec![],
-            sensitivity: vec![],
-            issues: vec![],
+            ..Answer::new(FrameId::default(), &query, policy, lateral)
         }
     }
 
@@ -312,7 +306,7 @@ mod tests {
         let mut q = question("count", &[1, 2]);
         q.truth.as_mut().unwrap().count = Some(2);
         let mut a = answer(&[1, 7], &[]);
-        a.reply = Reply::Number(2);
+        a.reply = Reply::Number(Count::Exact(2));
         let s = score(&q, &a);
         assert_eq!(s.questions[0].exact, Some(true));
         assert_eq!((s.questions[0].true_positives, s.questions[0].false_positives), (1, 1));

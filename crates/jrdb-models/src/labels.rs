@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use jrdb_dataset::{Dataset, SequenceLabels};
 use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
-use jrdb_types::{Detections, FrameId};
+use jrdb_types::{Capabilities, Detections, FrameId};
 
 /// The labels of some sequences, read once.
 #[derive(Debug, Default)]
@@ -38,6 +38,11 @@ impl Perceive for Labels {
 
     fn tracks(&self) -> bool {
         true
+    }
+
+    /// Every frame states its own.
+    fn capabilities(&self) -> Capabilities {
+        Capabilities::none()
     }
 
     fn config(&self) -> serde_json::Value {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use jrdb_perception::{AttributeModel, Grounder, KnownDetections, Perceive, PerceptionError, View};
-use jrdb_types::{Detections, FrameId};
+use jrdb_types::{Capabilities, Detections, FrameId};
 
 use crate::Error;
 use crate::backbone::{self, Backbone};
@@ -112,6 +112,10 @@ impl Perceive for Perception {
 
     fn tracks(&self) -> bool {
         self.source.tracks()
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        self.source.capabilities()
     }
 
     fn config(&self) -> serde_json::Value {

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use jrdb_perception::exchange::{Exchange, replay};
+use jrdb_perception::exchange::{self, Exchange, replay};
 use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
-use jrdb_types::{Detections, FrameId};
+use jrdb_types::{Capabilities, Detections, FrameId};
 
 use crate::Error;
 
@@ -12,6 +12,7 @@ use crate::Error;
 #[derive(Debug)]
 pub struct Replay {
     lines: Vec<Exchange>,
+    capabilities: Capabilities,
 }
 
 impl Replay {
@@ -22,7 +23,9 @@ impl Replay {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let text = std::fs::read_to_string(path).map_err(Error::read(path))?;
         let refused = |source| Error::Model { path: path.into(), source: Box::new(source) };
-        Ok(Self { lines: Exchange::read_lines(&text).map_err(refused)? })
+        let lines = Exchange::read_lines(&text).map_err(refused)?;
+        let capabilities = exchange::capabilities(&lines);
+        Ok(Self { lines, capabilities })
     }
 }
 
@@ -37,6 +40,10 @@ impl Perceive for Replay {
 
     fn tracks(&self) -> bool {
         false
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        self.capabilities.clone()
     }
 
     fn config(&self) -> serde_json::Value {

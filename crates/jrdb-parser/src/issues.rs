@@ -37,6 +37,8 @@ pub(crate) struct IssueLog {
     issues: Vec<Issue>,
     /// The misplaced words among them, whose neighbours are joined in the end.
     misplaced: Vec<Misplaced>,
+    /// The words that were not used, each with the number of issues before it was reported.
+    unused: Vec<(usize, Span)>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -50,7 +52,7 @@ struct Misplaced {
 impl IssueLog {
     /// A log that begins with the misspelled words.
     pub(crate) fn new(misspelled: Vec<Issue>) -> Self {
-        Self { issues: misspelled, misplaced: Vec::new() }
+        Self { issues: misspelled, ..Self::default() }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -61,11 +63,22 @@ impl IssueLog {
         if len < self.issues.len() {
             self.issues.truncate(len);
             self.misplaced.retain(|word| word.index < len);
+            self.unused.retain(|(index, _)| *index < len);
         }
     }
 
     pub(crate) fn push(&mut self, issue: Issue) {
         self.issues.push(issue);
+    }
+
+    /// Keeps a word that was not used, before its issue is reported.
+    pub(crate) fn keep_unused(&mut self, span: Span) {
+        self.unused.push((self.issues.len(), span));
+    }
+
+    /// The words that were not used.
+    pub(crate) fn unused(&self) -> Vec<Span> {
+        self.unused.iter().map(|(_, span)| *span).collect()
     }
 
     /// Reports a word that is not in the lexicon.

@@ -11,8 +11,9 @@ mod pattern;
 mod phrase;
 mod suggest;
 mod token;
+mod unread;
 
-use jrdb_types::{Pattern, Query, Task};
+use jrdb_types::{IssueKind, Query};
 
 pub use config::{OfPerson, ParserConfig};
 pub use explain::explain;
@@ -60,8 +61,7 @@ pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
 /// ```
 #[must_use]
 pub fn understood(query: &Query) -> bool {
-    let asks = query.task != Task::Find || query.target != Pattern::default();
-    asks || parser::has_known_word(&query.text)
+    !query.issues.iter().any(|issue| issue.kind == IssueKind::NotUnderstood)
 }
 
 #[cfg(test)]

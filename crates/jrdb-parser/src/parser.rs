@@ -6,18 +6,39 @@
 use std::rc::Rc;
 
 use jrdb_types::issue::IssueKind;
-use jrdb_types::query::Slot;
-use jrdb_types::{Issue, Pattern, Span};
+use jrdb_types::query::{Category, Slot};
+use jrdb_types::{Condition, Issue, Pattern, Span};
 
 use crate::config::ParserConfig;
 use crate::issues::{IssueLog, Treatment};
 use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
 use crate::pattern::truncated_antecedent;
 use crate::token::{Token, Tokens, tokenize};
+use crate::unread::{phrase, phrases};
 
 /// How deep "left of a man who is left of a man who …" may nest. Each entity inside another takes
 /// two levels, so queries stay well within what the notation accepts.
 const DEPTH_MAX: u32 = 16;
+
+/// Words that add nothing where they do not fit.
+const FUNCTION_WORDS: Roles = Roles::of(&[
+    Role::The,
+    Role::A,
+    Role::Filler,
+    Role::Is,
+    Role::Doing,
+    Role::Of,
+    Role::Comma,
+    Role::And,
+    Role::Slash,
+    Role::Dash,
+    Role::To,
+    Role::Who,
+    Role::Which,
+    Role::What,
+    Role::Exists,
+    Role::Find,
+]);
 
 /// "his" and "him".
 const PRONOUNS: Roles = Roles::of(&[Role::His, Role::Him]);
@@ -108,6 +129,11 @@ impl<'t> Parser<'t> {
             issues,
             slots,
         }
+    }
+
+    /// Conditions for the words that were not used.
+    pub(crate) fn unread(&self) -> Vec<Condition> {
+        phrases(self.text, self.issues.unused())
     }
 
     /// The slots and the issues, at the end of the question.
@@ -248,10 +274,28 @@ impl<'t> Parser<'t> {
         &self.text[span.start..span.end]
     }
 
+    /// Reports that the text holds neither a target nor a form of question.
+    pub(crate) fn report_not_understood(&mut self) {
+        let message = "nothing of the question was understood";
+        self.issues.push(Issue::new(IssueKind::NotUnderstood, message));
+    }
+
     /// Reports an issue about the words from `start` to before `end`.
     pub(crate) fn report(&mut self, kind: IssueKind, start: usize, end: usize, message: String) {
         let issue = Issue::at(kind, self.span(start, end), message);
         self.issues.push(issue);
+    }
+
+    /// Reports words that are not used: what they say becomes a condition that is not understood.
+    pub(crate) fn report_unread(
+        &mut self,
+        kind: IssueKind,
+        start: usize,
+        end: usize,
+        message: String,
+    ) {
+        self.issues.keep_unused(self.span(start, end));
+        self.report(kind, start, end, message);
     }
 
     /// Consumes a word that fits nowhere, and reports it.
@@ -259,9 +303,12 @@ impl<'t> Parser<'t> {
         self.report_word(Treatment::NotUsed);
     }
 
-    /// Consumes the name of an unknown entity, and reports it.
-    pub(crate) fn report_unknown_noun(&mut self) {
+    /// Consumes the name of an unknown entity, and reports it; returns a pattern of anything that the
+    /// name may mean.
+    pub(crate) fn unknown_entity(&mut self) -> Pattern {
+        let name = phrase(self.text, self.span(self.state.at, self.state.at + 1));
         self.report_word(Treatment::ReadAsAnything);
+        Pattern { conditions: vec![name], ..Pattern::of(Category::Anything) }
     }
 
     fn report_word(&mut self, treatment: Treatment) {
@@ -271,6 +318,10 @@ impl<'t> Parser<'t> {
         let (at, entry) = (self.state.at, self.entry());
         self.bump();
         let span = self.span(at, at + 1);
+        let is_content = !entry.roles.has_any(FUNCTION_WORDS) || entry.roles.has(Role::Unknown);
+        if treatment == Treatment::NotUsed && is_content {
+            self.issues.keep_unused(span);
+        }
         if let Some(what) = &entry.unsupported {
             self.issues.push_unsupported(what, span, treatment);
         } else if entry.roles.has(Role::Unknown) {

@@ -1,6 +1,6 @@
 //! The traits of perception: detectors, attribute models and grounders, and their error.
 
-use jrdb_types::{Attributes, Detection, Detections, FrameId, Image};
+use jrdb_types::{Attribute, Attributes, Detection, Detections, FrameId, Image, Vocabulary};
 
 #[cfg(feature = "vlm")]
 use crate::engine::Engine;
@@ -13,6 +13,9 @@ pub trait Detector: Send + Sync {
     /// # Errors
     /// When the image, the settings or the model cannot be used.
     fn detect(&self, image: &Image, frame: &FrameId) -> Result<Detections, PerceptionError>;
+
+    /// The classes that it can detect.
+    fn categories(&self) -> Vocabulary<String>;
 
     /// Every setting that shapes the detections, for the artefact's `config`.
     fn config(&self) -> serde_json::Value;
@@ -42,6 +45,9 @@ pub trait AttributeModel: Send + Sync {
     /// When the image or the model cannot be used.
     fn describe(&self, image: &Image, detection: &Detection)
     -> Result<Attributes, PerceptionError>;
+
+    /// The attributes that it can estimate.
+    fn attributes(&self) -> Vec<Attribute>;
 }
 
 /// Why an image could not be perceived.

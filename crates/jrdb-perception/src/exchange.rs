@@ -8,7 +8,10 @@ use std::collections::BTreeMap;
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{Attributes, Detection, Detections, FrameId, ImageGeometry, Issue, PixelBox};
+use jrdb_types::{
+    Attributes, Capabilities, Detection, Detections, FrameId, ImageGeometry, Issue, PixelBox,
+    Vocabulary,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
@@ -184,7 +187,22 @@ pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Dete
             }
         }
     }
-    Detections { frame: frame.clone(), image, detections, issues }
+    Detections { issues, ..Detections::new(frame.clone(), image, detections) }
+}
+
+/// What the model behind some lines can see: the categories that any reply names, people where only people are asked
+/// about, and the attributes that any line asks for.
+#[must_use]
+pub fn capabilities(lines: &[Exchange]) -> Capabilities {
+    let searches = || lines.iter().filter(|line| line.request.bbox.is_none());
+    let found = searches().flat_map(|line| boxes_in(line.reply.as_ref()).unwrap_or_default());
+    let mut categories: Vocabulary<String> = found.map(|one| one.category).collect();
+    if searches().next().is_none() && !lines.is_empty() {
+        categories.unite(std::iter::once(PERSON.into()).collect());
+    }
+    let topics = lines.iter().filter_map(|line| line.request.topic);
+    let attributes = topics.filter_map(Topic::attribute).collect();
+    Capabilities { categories, attributes, ..Capabilities::none() }
 }
 
 /// The boxes in a reply.
@@ -264,6 +282,7 @@ mod tests {
             frame: FrameId::default(),
             image: IMAGE,
             detections: found,
+            capabilities: None,
             issues: Vec::new(),
         }
     }

@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use jrdb_types::detection::PERSON;
+use jrdb_types::detection::{PERSON, occurring};
 use jrdb_types::issue::IssueKind;
 use jrdb_types::{
-    Attributes, Detection, Detections, FrameId, Image, ImageGeometry, Issue, with_causes,
+    Attributes, Capabilities, Detection, Detections, FrameId, Image, ImageGeometry, Issue,
+    Vocabulary, with_causes,
 };
 use rayon::prelude::*;
 
@@ -36,6 +37,9 @@ pub trait Perceive: Send + Sync {
     /// Whether an id is the same person or object in every frame of a sequence.
     fn tracks(&self) -> bool;
 
+    /// What can be seen in a frame, where its detections do not state it.
+    fn capabilities(&self) -> Capabilities;
+
     /// Every setting that shapes the detections, for the artefact's `config`.
     fn config(&self) -> serde_json::Value;
 
@@ -46,26 +50,34 @@ pub trait Perceive: Send + Sync {
     fn attribute_model(&self) -> Option<&dyn AttributeModel>;
 }
 
-/// No detections, with the reason as an issue.
+/// No detections, with the reason as an issue: nothing was seen, so nothing is known to be absent.
 #[must_use]
 pub fn nothing_seen(frame: &FrameId, image: ImageGeometry, why: String) -> Detections {
-    let issues = vec![Issue::new(IssueKind::MissingInput, why)];
-    Detections { frame: frame.clone(), image, detections: Vec::new(), issues }
+    Detections {
+        capabilities: Some(Capabilities::none()),
+        issues: vec![Issue::new(IssueKind::MissingInput, why)],
+        ..Detections::new(frame.clone(), image, Vec::new())
+    }
 }
 
 /// Detections that are known beforehand, by frame.
 #[derive(Debug, Clone, Default)]
 pub struct KnownDetections {
     frames: BTreeMap<FrameId, Detections>,
+    capabilities: Capabilities,
     config: serde_json::Value,
 }
 
 impl KnownDetections {
-    /// These detections. Of two for one frame the last counts.
+    /// These detections. Of two for one frame the last counts. Those that do not state what their source can see are
+    /// taken to see what occurs in any of them.
     #[must_use]
     pub fn new(detections: impl IntoIterator<Item = Detections>) -> Self {
-        let frames = detections.into_iter().map(|one| (one.frame.clone(), one)).collect();
-        Self { frames, config: serde_json::json!({ "perception": "file" }) }
+        let frames: BTreeMap<FrameId, Detections> =
+            detections.into_iter().map(|one| (one.frame.clone(), one)).collect();
+        let unstated = frames.values().filter(|one| one.capabilities.is_none());
+        let capabilities = occurring(unstated.flat_map(|one| &one.detections));
+        Self { frames, capabilities, config: serde_json::json!({ "perception": "file" }) }
     }
 }
 
@@ -83,6 +95,10 @@ impl Perceive for KnownDetections {
 
     fn tracks(&self) -> bool {
         false
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        self.capabilities.clone()
     }
 
     fn config(&self) -> serde_json::Value {
@@ -107,6 +123,8 @@ pub struct Models {
     pub attributes: Option<Arc<dyn AttributeModel>>,
     /// Takes whole sentences.
     pub grounder: Option<Arc<dyn Grounder>>,
+    /// The classes that the detector was trained for, where it does not know them itself.
+    pub categories: Option<Vocabulary<String>>,
     /// Every setting that shapes the detections.
     pub config: serde_json::Value,
 }
@@ -130,6 +148,15 @@ impl Perceive for Models {
 
     fn tracks(&self) -> bool {
         false
+    }
+
+    fn capabilities(&self) -> Capabilities {
+        let attributes = self.attributes.iter().flat_map(|model| model.attributes());
+        Capabilities {
+            categories: self.categories.clone().unwrap_or_else(|| self.detector.categories()),
+            attributes: attributes.collect(),
+            ..Capabilities::none()
+        }
     }
 
     fn config(&self) -> serde_json::Value {
@@ -176,12 +203,7 @@ mod tests {
     fn a_frame_that_is_not_known_has_nothing_and_an_issue() {
         let geometry = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
         let known = |frame: u32| FrameId { sequence: "lab".into(), frame };
-        let given = Detections {
-            frame: known(3),
-            image: geometry,
-            detections: Vec::new(),
-            issues: Vec::new(),
-        };
+        let given = Detections::new(known(3), geometry, Vec::new());
         let source = KnownDetections::new([given.clone()]);
         let view = View { geometry, image: None };
         assert_eq!(source.perceive(&known(3), &view).unwrap(), given);

@@ -1,7 +1,7 @@
 //! The baselines of the paper: the detector answers a whole sentence by itself, without points, graph and search.
 
-use jrdb_types::answer::{Ranked, Reply};
-use jrdb_types::{Answer, Detections, EntityId, Query, Task};
+use jrdb_types::answer::{Cause, CauseKind, Count, Ranked, Reply};
+use jrdb_types::{Answer, Capabilities, Detections, EntityId, FrameId, Issue, Query, Status, Task};
 
 use crate::{Error, Frame, Pipeline, PipelineConfig, Scene};
 
@@ -10,14 +10,14 @@ use crate::{Error, Frame, Pipeline, PipelineConfig, Scene};
 ///
 /// # Errors
 /// [`Error::NoGrounder`] when the detector takes no sentences, [`Error::Perception`] when its model fails. Without an
-/// image nothing is answered, and an issue says so.
+/// image every answer is open, and its cause says so.
 pub fn answer(
     pipeline: &Pipeline,
     frame: Frame,
     queries: &[&Query],
 ) -> Result<(Scene, Vec<Answer>), Error> {
     let (id, image) = (frame.id.clone(), pipeline.robot().image());
-    let mut all = Detections { frame: id, image, detections: Vec::new(), issues: Vec::new() };
+    let mut all = Detections::new(id, image, Vec::new());
     let mut answers = Vec::new();
     match frame.images.first().map(crate::CameraImage::pixels) {
         Some(Ok(pixels)) => {
@@ -31,7 +31,12 @@ pub fn answer(
                 all.detections.extend(found.detections);
             }
         }
-        Some(Err(issue)) => all.issues.push(issue.clone()),
+        Some(Err(issue)) => {
+            let config = pipeline.config();
+            answers.extend(queries.iter().map(|query| open(&frame.id, query, issue, config)));
+            all.issues.push(issue.clone());
+            all.capabilities = Some(Capabilities::none());
+        }
         None => {}
     }
     all.detections.sort_by(|a, b| a.id.cmp(&b.id));
@@ -55,23 +60,28 @@ fn answer_of(found: &Detections, query: &Query, config: &PipelineConfig) -> Answ
     ranking.sort_by(|a, b| b.probability.total_cmp(&a.probability).then(a.id.cmp(&b.id)));
     let mut selection: Vec<EntityId> = ranking.iter().map(|one| one.id.clone()).collect();
     selection.sort();
-    let reply = match &query.task {
-        Task::Count => Reply::Number(selection.len()),
-        Task::Exists(quantity) => Reply::YesNo(quantity.holds(selection.len())),
+    let (policy, lateral) = (config.search.policy, config.projection.lateral);
+    let mut answer = Answer::new(found.frame.clone(), query, policy, lateral);
+    answer.reply = match &query.task {
+        Task::Count => Reply::Number(Count::Exact(selection.len())),
+        Task::Exists(quantity) => Reply::YesNo(Some(quantity.holds(selection.len()))),
         _ => Reply::Things,
     };
-    Answer {
-        frame: found.frame.clone(),
-        question: query.text.clone(),
-        task: query.task.clone(),
-        policy: config.search.policy,
-        lateral: config.projection.lateral,
-        reply,
-        selection,
-        ranking,
-        trace: Vec::new(),
-        slots: Vec::new(),
-        sensitivity: Vec::new(),
-        issues: Vec::new(),
-    }
+    answer.issues.clear();
+    (answer.selection, answer.ranking) = (selection, ranking);
+    answer
+}
+
+/// The answer of a detector that had no image to look at.
+fn open(frame: &FrameId, query: &Query, why: &Issue, config: &PipelineConfig) -> Answer {
+    let (policy, lateral) = (config.search.policy, config.projection.lateral);
+    let message = why.message.clone();
+    let because = vec![Cause { kind: CauseKind::Sensor, message, span: None }];
+    let reply = match &query.task {
+        Task::Count => Reply::Number(Count::between(0, None)),
+        Task::Exists(_) | Task::CompareCounts { .. } => Reply::YesNo(None),
+        _ => Reply::Things,
+    };
+    let answer = Answer::new(frame.clone(), query, policy, lateral);
+    Answer { status: Status::Unknown, because, reply, ..answer }
 }

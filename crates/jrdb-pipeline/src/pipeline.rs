@@ -6,7 +6,7 @@ use jrdb_calibration::FloorConfig;
 use jrdb_graph::IndexedGraph;
 use jrdb_perception::{Perceive, View};
 use jrdb_projection::{BaseCloud, Motions, Placement, Space};
-use jrdb_types::{Detections, FloorPlane, Issue};
+use jrdb_types::{Capabilities, Coverage, Detections, FloorPlane, Issue, Localizer, PointCloud};
 
 use crate::motion::Places;
 use crate::scene::Scene;
@@ -111,11 +111,17 @@ impl Pipeline {
     #[must_use]
     pub fn complete(&self, placed: PlacedFrame, motions: &Motions) -> Scene {
         let PlacedFrame { frame, detections, cloud, floor, placements, issues } = placed;
+        let uses_points = self.config.projection.localizer != Localizer::Given;
+        let has_blind_lidar = uses_points && self.robot.rig().lidars.len() > usable(&frame.sweeps);
         let space = Space { cloud: &cloud, sensors: self.robot.sensors(), floor };
         let config = &self.config.projection;
         let mut entities =
             jrdb_projection::entities(&detections, placements, &space, motions, config);
         entities.issues.splice(0..0, issues);
+        if has_blind_lidar {
+            let capabilities = entities.capabilities.get_or_insert_with(Capabilities::none);
+            capabilities.places = Coverage::Partial;
+        }
         let graph = IndexedGraph::new(jrdb_graph::build(&entities, &self.config.graph));
         let (perception, config) = (Arc::clone(&self.perception), Arc::clone(&self.config));
         Scene { perception, config, frame, detections, cloud, entities, graph }
@@ -136,6 +142,7 @@ impl Pipeline {
         let fail = |source| Error::Perception { frame: frame.id.clone(), source };
         let mut detections = found.map_err(fail)?;
         detections.issues.extend(image.and_then(|image| image.known_issue()).cloned());
+        detections.capabilities.get_or_insert_with(|| self.perception.capabilities());
         Ok(detections)
     }
 
@@ -150,6 +157,11 @@ impl Pipeline {
         let placements = placements.map_err(fail)?;
         Ok(PlacedFrame { frame, detections, cloud, floor, placements, issues })
     }
+}
+
+/// How many sweeps have any points.
+fn usable(sweeps: &[PointCloud]) -> usize {
+    sweeps.iter().filter(|sweep| !sweep.is_empty()).count()
 }
 
 /// The floor under the robot, where enough of it is seen.

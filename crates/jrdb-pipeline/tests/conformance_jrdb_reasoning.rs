@@ -116,6 +116,7 @@ fn engine_graph(graph: &Value, frame: &str) -> SceneGraph {
         nodes: nodes.collect(),
         edges: edges.collect(),
         between: Vec::new(),
+        capabilities: Some(Capabilities::open()),
         issues: Vec::new(),
     })
 }
@@ -156,6 +157,7 @@ fn our_graph(frame: &Value) -> SceneGraph {
         entities: entities.collect(),
         relations,
         between: Vec::new(),
+        capabilities: Some(Capabilities::open()),
         issues: Vec::new(),
     };
     let config = GraphConfig { pairs: Pairs::Close, hidden: Hidden::LeaveOut };

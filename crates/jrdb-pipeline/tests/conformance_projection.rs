@@ -161,6 +161,7 @@ fn detections(people: &[Labelled], image: jrdb_types::ImageGeometry) -> Detectio
         frame,
         image,
         detections: people.iter().map(detection).collect(),
+        capabilities: None,
         issues: Vec::new(),
     }
 }

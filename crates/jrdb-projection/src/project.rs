@@ -68,7 +68,8 @@ pub fn project(
     Ok(found)
 }
 
-/// Entities and the relations of every pair of them, from detections whose places are known.
+/// Entities and the relations of every pair of them, from detections whose places are known. Issues of the detections
+/// about missing inputs are carried on: they decide what can be said about the frame.
 ///
 /// `placements` are those of [`crate::place`] for the same detections and points. `motions` may be empty.
 #[must_use]
@@ -90,7 +91,10 @@ pub fn entities(
     let between = between_all(&things, &config.relation);
     let frame = detections.frame.clone();
     let entities = placed.into_iter().map(|placed| placed.entity).collect();
-    Entities { frame, lateral: config.lateral, entities, relations, between, issues }
+    let (lateral, capabilities) = (config.lateral, detections.capabilities.clone());
+    let inputs = detections.issues.iter().filter(|issue| issue.kind.is_missing_input());
+    issues.splice(0..0, inputs.cloned());
+    Entities { frame, lateral, entities, relations, between, capabilities, issues }
 }
 
 /// An entity and its points.
@@ -261,7 +265,7 @@ mod tests {
 
     fn detections(detections: Vec<Detection>) -> Detections {
         let image = rig().cameras[0].lens.image();
-        Detections { frame: FrameId::default(), image, detections, issues: Vec::new() }
+        Detections::new(FrameId::default(), image, detections)
     }
 
     /// Two people, 4 m ahead and 4 m to the left, ten points each.

@@ -1,17 +1,20 @@
 //! An answer in a few lines: who is meant, and why.
 
-use jrdb_types::answer::{CandidateTrace, Check, PropertyValues, Reply};
+use jrdb_types::answer::{CandidateTrace, Check, PropertyValues, Reply, Status};
 use jrdb_types::{Answer, EntityId};
 
 use crate::check::{self, asked, found_or_unknown, repeats_itself};
 use crate::property;
+use crate::reply::{headline, reasons};
 
 /// The reply in a line, then one line for each selected candidate with its conditions, at most `limit` of them.
 #[must_use]
 pub fn brief(answer: &Answer, limit: usize) -> Vec<String> {
-    let nearest = if answer.is_nearest_only() { "nobody quite; nearest: " } else { "" };
-    let reply = reply(answer);
-    let mut lines: Vec<String> = format!("{nearest}{reply}").lines().map(Into::into).collect();
+    let mut lines: Vec<String> = reply(answer).lines().map(Into::into).collect();
+    lines.extend(reasons(answer));
+    if answer.status.is_open() {
+        return lines;
+    }
     let selected: Vec<_> = answer.trace.iter().filter(|trace| trace.selected).collect();
     let shown = selected.iter().take(limit).filter(|trace| !trace.checks.is_empty());
     lines.extend(shown.map(|trace| why(trace)));
@@ -30,7 +33,11 @@ fn why(trace: &CandidateTrace) -> String {
 /// `close distance from the robot (close, 1.05 m)`, `NOT age young (child)`,
 /// `has a person to its left (#3: close, 1.21 m; left, +88°)`.
 fn check_text(check: &Check) -> String {
-    let mark = if check.holds { "" } else { "NOT " };
+    let mark = match check {
+        Check { holds: true, .. } => "",
+        Check { unknown: true, .. } => "UNKNOWN ",
+        _ => "NOT ",
+    };
     let asked = asked(check);
     if check.holds && repeats_itself(check) {
         return asked;
@@ -49,12 +56,10 @@ fn check_text(check: &Check) -> String {
 /// The reply, and who is meant.
 fn reply(answer: &Answer) -> String {
     match &answer.reply {
-        Reply::Things => ids(&answer.selection),
-        Reply::Number(number) => format!("{number}: {}", ids(&answer.selection)),
-        Reply::YesNo(true) => format!("yes: {}", ids(&answer.selection)),
-        Reply::YesNo(false) => "no".into(),
-        Reply::Properties(all) if all.is_empty() => "nobody".into(),
-        Reply::Properties(all) => all.iter().map(properties).collect::<Vec<_>>().join("\n"),
+        Reply::Properties(all) if answer.status == Status::Answered && !all.is_empty() => {
+            all.iter().map(properties).collect::<Vec<_>>().join("\n")
+        }
+        _ => headline(answer),
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::fmt::Write as _;
 
-use jrdb_types::answer::{CandidateTrace, Check, PropertyValues, Reply};
+use jrdb_types::answer::{CandidateTrace, Check, Count, PropertyValues, Reply, Status};
 use jrdb_types::{Answer, EntityId};
 
 use crate::check::{asked, found_or_unknown, ids, margin};
+use crate::reply::{headline, reasons};
 use crate::{property, query, why_not};
 
 /// How many of the candidates that are not selected are shown.
@@ -47,27 +48,43 @@ fn omitted(count: usize, limit: usize, what: &str, text: &mut String) {
     }
 }
 
-/// The reply in a sentence; when even those selected lack something, it says so.
+/// The reply in a sentence; of an open question, why it is open.
 fn sentence(answer: &Answer, limit: usize) -> String {
-    let reply = reply(answer, limit);
-    if answer.is_nearest_only() {
-        return format!("Nothing satisfies all that was asked; what comes nearest: {reply}");
+    match answer.status {
+        Status::Answered => reply(answer, limit),
+        Status::Nearest if answer.selection.is_empty() => "Nothing matches.".into(),
+        Status::Nearest => {
+            let nearest = some(&answer.selection, limit);
+            format!("Nothing satisfies all that was asked; what comes nearest: {nearest}.")
+        }
+        Status::Unknown | Status::NotUnderstood => {
+            let mut lines = vec![format!("{}.", capitalised(&headline(answer)))];
+            lines.extend(reasons(answer).into_iter().map(|reason| format!("  {reason}")));
+            lines.join("\n")
+        }
     }
-    reply
+}
+
+fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().map_or_else(String::new, |first| first.to_uppercase().chain(rest).collect())
 }
 
 fn reply(answer: &Answer, limit: usize) -> String {
     let some = || some(&answer.selection, limit);
     match &answer.reply {
-        Reply::Number(0) => "None.".into(),
-        Reply::Number(number) => format!("{number}: {}.", some()),
-        Reply::YesNo(yes) => {
+        Reply::Number(Count::Exact(0)) => "None.".into(),
+        Reply::Number(Count::Exact(number)) => format!("{number}: {}.", some()),
+        Reply::YesNo(Some(yes)) => {
             let word = if *yes { "Yes" } else { "No" };
             if answer.selection.is_empty() {
                 format!("{word}.")
             } else {
                 format!("{word}: {}.", some())
             }
+        }
+        Reply::Number(Count::Between { .. }) | Reply::YesNo(None) => {
+            format!("{}.", capitalised(&headline(answer)))
         }
         Reply::Properties(all) if all.is_empty() => "Nobody of whom it could be told.".into(),
         Reply::Properties(all) => all.iter().map(properties).collect::<Vec<_>>().join("\n"),
@@ -139,7 +156,11 @@ fn rows_of(check: &Check, depth: usize, rows: &mut Vec<Row>) {
         if is_group { format!("→ {}", ids(&check.witnesses, ", ")) } else { String::new() };
     let numbers: Vec<String> = margin.into_iter().chain(probability).collect();
     rows.push(Row {
-        mark: if check.holds { '✓' } else { '✗' },
+        mark: match check {
+            Check { holds: true, .. } => '✓',
+            Check { unknown: true, .. } => '?',
+            _ => '✗',
+        },
         cells: [
             format!("{:width$}{}", "", asked(check), width = 2 * depth),
             found_or_unknown(check),

@@ -17,6 +17,7 @@ pub fn condition(condition: &Condition) -> String {
         Condition::GroupSize(quantity) => group(*quantity),
         Condition::Related(related) => relation(related),
         Condition::Compared(compared) => comparison(compared),
+        Condition::Phrase(phrase) => format!("{:?}", phrase.words),
         Condition::Is(those) => format!("is {}", pattern(those)),
         Condition::Not(inner) => format!("not {}", part(inner)),
         Condition::Any(parts) => alternatives(parts).unwrap_or_else(|| listed(parts, " or ")),

@@ -16,10 +16,12 @@ impl Searcher<'_, '_> {
     ) -> Link {
         let best = self.between_links(subject, partner, others).map(|(_, link)| link);
         let best = best.reduce(|best, next| if next.beats(best) { next } else { best });
-        best.unwrap_or_else(|| match (partner, others) {
+        let link = best.unwrap_or_else(|| match (partner, others) {
             (Some(_), Partner::Things { .. }) => self.unsaid(subject),
             _ => Link::NONE,
-        })
+        });
+        // Between the partner and something that was not seen.
+        if link.truth == Truth::No && others.may_be_unseen() { Link::UNKNOWN } else { link }
     }
 
     /// The others that the subject is between, with the partner at the other end.

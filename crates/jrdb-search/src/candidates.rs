@@ -28,7 +28,7 @@ pub(crate) fn candidates(searcher: &Searcher<'_, '_>, pattern: &Pattern) -> BitS
     kind
 }
 
-fn only_nodes(searcher: &Searcher<'_, '_>, set: &mut BitSet) {
+pub(crate) fn only_nodes(searcher: &Searcher<'_, '_>, set: &mut BitSet) {
     (searcher.index.node_count()..searcher.index.size()).for_each(|number| set.remove(number));
 }
 

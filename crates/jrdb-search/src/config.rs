@@ -38,6 +38,17 @@ pub enum Pooling {
     PerCondition,
 }
 
+/// What the absence of a thing from the graph means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum World {
+    /// It is evidence only for what perception can see, as [`jrdb_types::Capabilities`] states it.
+    #[default]
+    Open,
+    /// As JRDB-Reasoning's engine: what is not in the graph does not exist.
+    Closed,
+}
+
 /// Configuration of [`crate::search`]. It is written into the artefact.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -50,6 +61,8 @@ pub struct SearchConfig {
     pub order: SlotOrder,
     /// How conditions come together.
     pub pooling: Pooling,
+    /// What absence means.
+    pub world: World,
     /// Standard deviation of a position, metres. It turns a distance or direction near a bound into a
     /// probability; what holds is decided by the words alone.
     pub position_sigma_m: f64,
@@ -82,6 +95,7 @@ impl Default for SearchConfig {
             existentials: Existentials::Same,
             order: SlotOrder::Enforced,
             pooling: Pooling::Together,
+            world: World::Open,
             position_sigma_m: 0.14,
             heading_sigma_rad: 0.15,
             age_neighbor_probability: 0.05,
@@ -103,6 +117,7 @@ impl SearchConfig {
             existentials: Existentials::Independent,
             order: SlotOrder::Independent,
             pooling: Pooling::PerCondition,
+            world: World::Closed,
             ..Self::default()
         }
     }

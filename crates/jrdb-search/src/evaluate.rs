@@ -1,7 +1,7 @@
 //! Every condition of a pattern on every thing it may mean: truths, probabilities and witnesses, kept for the trace.
 
 use jrdb_graph::BitSet;
-use jrdb_types::query::Category;
+use jrdb_types::query::{Category, Pick};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
 
@@ -10,7 +10,7 @@ use crate::place;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
 use crate::value::{NOBODY, Truth, Value};
-use crate::{attribute, ranked};
+use crate::{World, attribute, ranked};
 
 impl Searcher<'_, '_> {
     /// Evaluates a pattern on everything of its kind.
@@ -33,9 +33,28 @@ impl Searcher<'_, '_> {
         }
         let mut evaluated = Evaluated { pattern, kind, columns, verdicts, passed };
         if let Some(pick) = &pattern.pick {
-            evaluated.passed = self.pick(&self.meant(&evaluated), pick);
+            self.pick_from(&mut evaluated, pick);
         }
         evaluated
+    }
+
+    /// Leaves those that a pick takes for sure. Where nothing matches, or may match, it is made from the best guess.
+    fn pick_from(&self, evaluated: &mut Evaluated<'_>, pick: &Pick) {
+        let at_least = |least: Truth| {
+            let mut set = evaluated.kind.clone();
+            set.retain(|number| evaluated.verdicts[number].truth >= least);
+            set
+        };
+        let [yes, maybe] = [Truth::Yes, Truth::Unknown].map(at_least);
+        if self.config.world == World::Closed || maybe.is_empty() {
+            evaluated.passed = self.pick(&self.meant(evaluated), pick);
+            evaluated.decide(|_, truth| if truth == Truth::Yes { Truth::No } else { truth });
+            return;
+        }
+        let picked = self.picked(&yes, &maybe, pick, self.may_be_unseen(evaluated.pattern));
+        evaluated.passed = picked.yes.clone();
+        let maybe = picked.possible(&maybe);
+        evaluated.decide(|number, _| Truth::of(maybe.contains(number)).min(Truth::Unknown));
     }
 
     /// Those that match a pattern, its pick included, as the policy chooses.
@@ -63,17 +82,18 @@ impl Searcher<'_, '_> {
         let all = Value::all(columns.iter().map(|column| column.values[number]));
         let satisfied = columns.iter().map(|column| column.values[number].satisfied).sum();
         let [passed_attributes, passed_relations] = self.phases(columns, number, Truth::Yes);
-        let undecided = match self.config.policy {
-            MatchPolicy::Ranked => all.truth == Truth::Unknown,
+        let truth = match self.config.policy {
+            MatchPolicy::Ranked => all.truth,
+            _ if passed_attributes && passed_relations => Truth::Yes,
             _ => {
-                !(passed_attributes && passed_relations)
-                    && self.phases(columns, number, Truth::Unknown) == [true; 2]
+                let may = self.phases(columns, number, Truth::Unknown) == [true; 2];
+                Truth::of(may).min(Truth::Unknown)
             }
         };
         Verdict {
             passed_attributes,
             passed_relations,
-            undecided,
+            truth,
             satisfied,
             probability: all.probability,
             ranking: all.ranking,
@@ -120,6 +140,10 @@ impl Searcher<'_, '_> {
                 fill(&|number| Value::certain(comparison.truth(number)));
                 Inner::Comparison(comparison)
             }
+            Condition::Phrase(_) => {
+                fill(&|_| Value::NOT_UNDERSTOOD);
+                Inner::Leaf
+            }
             Condition::Is(pattern) => {
                 let mut those = self.evaluate(pattern);
                 if pattern.pick.is_none() {
@@ -134,6 +158,7 @@ impl Searcher<'_, '_> {
                 Inner::Parts(vec![column])
             }
             Condition::Any(parts) => {
+                let parts = self.alternatives(parts);
                 let columns: Vec<_> = parts.iter().map(|p| self.column_of(p, within)).collect();
                 fill(&|number| any_of(condition, || columns.iter().map(|c| c.values[number])));
                 Inner::Parts(columns)
@@ -171,9 +196,10 @@ impl Searcher<'_, '_> {
         let evaluated = self.evaluate(pattern);
         let passed = evaluated.passed.clone();
         let mut undecided = evaluated.kind.clone();
-        undecided.retain(|number| evaluated.verdicts[number].undecided);
+        undecided.retain(|number| evaluated.verdicts[number].truth == Truth::Unknown);
         undecided.subtract(&passed);
-        Partner::Things { passed, undecided, evaluated: Some(Box::new(evaluated)) }
+        let (may_be_unseen, evaluated) = (self.may_be_unseen(pattern), Some(Box::new(evaluated)));
+        Partner::Things { passed, undecided, may_be_unseen, evaluated }
     }
 
     fn relation_column<'q>(
@@ -217,7 +243,7 @@ impl Searcher<'_, '_> {
         verdict: impl Fn(usize) -> Option<(Verdict, [f64; 2])>,
     ) -> Value {
         let (mut count, mut uncertain) = (0, false);
-        let mut perhaps = self.unseen_partners(subject, kinds, partner, possible);
+        let mut perhaps: usize = self.unseen_partners(subject, kinds, partner, possible);
         let mut probabilities: Vec<[f64; 2]> = Vec::new();
         let mut best: Option<((bool, u32, bool, f64), u32)> = None;
         for &other in possible {
@@ -226,7 +252,7 @@ impl Searcher<'_, '_> {
             let truth = link.truth.min(partner.truth(other as usize));
             let holds = truth.holds();
             count += usize::from(holds);
-            perhaps += usize::from(truth == Truth::Unknown);
+            perhaps = perhaps.saturating_add(usize::from(truth == Truth::Unknown));
             uncertain |= verdict.uncertain;
             probabilities.push([link.probability * believed, link.probability * ranking]);
             let is_linked = link.truth.holds();
@@ -268,8 +294,7 @@ fn robot_value(related: &Related, link: Link) -> Value {
 fn is_one_of(those: &Evaluated<'_>, number: usize) -> Value {
     let truth = match those.passed.contains(number) {
         true => Truth::Yes,
-        false if those.verdicts[number].undecided => Truth::Unknown,
-        false => Truth::No,
+        false => those.verdicts[number].truth.min(Truth::Unknown),
     };
     let [probability, ranking] = those.probabilities(number);
     let uncertain = those.verdicts[number].uncertain;

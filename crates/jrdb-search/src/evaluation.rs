@@ -62,8 +62,8 @@ pub(crate) struct Verdict {
     pub(crate) passed_attributes: bool,
     /// Every relation holds (the paper's phase 2).
     pub(crate) passed_relations: bool,
-    /// Whether it matches hangs on what is unknown: under `ranked`, whether strictly.
-    pub(crate) undecided: bool,
+    /// Whether it matches, as far as that is known: under `ranked`, whether strictly.
+    pub(crate) truth: Truth,
     /// Conditions that hold, those of the witnesses included.
     pub(crate) satisfied: u32,
     /// Product of the probabilities of the conditions, as believed.
@@ -78,7 +78,7 @@ impl Verdict {
     pub(crate) const OTHER_KIND: Self = Self {
         passed_attributes: false,
         passed_relations: false,
-        undecided: false,
+        truth: Truth::No,
         satisfied: 0,
         probability: 0.0,
         ranking: 0.0,
@@ -91,10 +91,21 @@ impl Verdict {
 }
 
 impl Evaluated<'_> {
-    /// Probabilities that a thing matches, as believed and for the ranking. With a pick only those it takes may match.
+    /// Gives everything that does not pass the truth that a function gives it, everything else passes.
+    pub(crate) fn decide(&mut self, of_others: impl Fn(usize, Truth) -> Truth) {
+        for number in self.kind.iter() {
+            let verdict = &mut self.verdicts[number];
+            let passes = self.passed.contains(number);
+            verdict.truth = if passes { Truth::Yes } else { of_others(number, verdict.truth) };
+        }
+    }
+
+    /// Probabilities that a thing matches, as believed and for the ranking. With a pick only those that it takes, or may
+    /// take, can match.
     pub(crate) fn probabilities(&self, number: usize) -> [f64; 2] {
         let verdict = &self.verdicts[number];
-        if self.pattern.pick.is_some() && !self.passed.contains(number) {
+        let is_left = self.passed.contains(number) || verdict.truth != Truth::No;
+        if self.pattern.pick.is_some() && !is_left {
             return [0.0; 2];
         }
         [verdict.probability, verdict.ranking]
@@ -110,6 +121,8 @@ pub(crate) enum Partner<'q> {
         passed: BitSet,
         /// Those of which it is not known.
         undecided: BitSet,
+        /// There may be more of them than the graph holds.
+        may_be_unseen: bool,
         evaluated: Option<Box<Evaluated<'q>>>,
     },
 }
@@ -117,6 +130,11 @@ pub(crate) enum Partner<'q> {
 impl Partner<'_> {
     pub(crate) fn passed(&self, number: usize) -> bool {
         matches!(self, Self::Things { passed, .. } if passed.contains(number))
+    }
+
+    /// Whether there may be more of them than the graph holds.
+    pub(crate) fn may_be_unseen(&self) -> bool {
+        matches!(self, Self::Things { may_be_unseen: true, .. })
     }
 
     pub(crate) fn truth(&self, number: usize) -> Truth {
@@ -160,10 +178,6 @@ impl Link {
     pub(crate) const SURE: Self = Self { truth: Truth::Yes, probability: 1.0 };
     pub(crate) const NONE: Self = Self { truth: Truth::No, probability: 0.0 };
     pub(crate) const UNKNOWN: Self = Self { truth: Truth::Unknown, probability: 0.0 };
-
-    pub(crate) fn of(holds: bool) -> Self {
-        if holds { Self::SURE } else { Self::NONE }
-    }
 
     /// Something that holds or not, for sure, unless it is unknown.
     pub(crate) fn certain(truth: Truth) -> Self {
@@ -239,6 +253,12 @@ impl<'q> Kinds<'q> {
 pub(crate) struct Comparison {
     pub(crate) measures: Vec<Option<f64>>,
     pub(crate) than: BitSet,
+    /// Those of which it is not known whether they are compared with.
+    pub(crate) perhaps: BitSet,
+    /// There may be more of those compared with than the graph holds.
+    pub(crate) may_be_unseen: bool,
+    /// What cannot be measured does not count.
+    pub(crate) is_closed: bool,
     pub(crate) order: Order,
 }
 
@@ -256,11 +276,27 @@ impl Comparison {
         })
     }
 
+    /// It must beat all of the others. What cannot be measured, or may be one of them, leaves that open unless
+    /// another beats it.
     pub(crate) fn truth(&self, number: usize) -> Truth {
-        let both = self.measures[number].zip(self.hardest(number).map(|(_, value)| value));
-        Truth::of_known(both.map(|(mine, theirs)| match self.order {
+        let Some(mine) = self.measures[number] else { return Truth::Unknown };
+        let beats = |theirs: f64| match self.order {
             Order::Least => mine < theirs,
             Order::Most => mine > theirs,
-        }))
+        };
+        let Some((other, hardest)) = self.hardest(number) else { return Truth::Unknown };
+        if !beats(hardest) {
+            return if self.perhaps.contains(other) { Truth::Unknown } else { Truth::No };
+        }
+        let is_unmeasured = |other: usize| other != number && self.measures[other].is_none();
+        if self.is_closed {
+            return Truth::Yes;
+        }
+        let is_open = self.may_be_unseen
+            || self.than.iter().any(is_unmeasured)
+            || self.perhaps.iter().any(|other| {
+                other != number && self.measures[other].is_none_or(|theirs| !beats(theirs))
+            });
+        if is_open { Truth::Unknown } else { Truth::Yes }
     }
 }

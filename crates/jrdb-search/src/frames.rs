@@ -6,15 +6,20 @@ mod track;
 use std::collections::BTreeSet;
 
 use jrdb_graph::GraphIndex;
-use jrdb_types::answer::{PropertyValue, PropertyValues, Ranked, Reply, Sighting, SlotAnswer};
+use jrdb_types::answer::{
+    Cause, Count, Possible, PropertyValue, PropertyValues, Ranked, Reply, Sighting, SlotAnswer,
+    Status,
+};
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::Property;
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Answer, EntityId, FrameId, Issue, LateralConvention, Pattern, Query, Task};
 
-use crate::candidates::{by_sets, candidates, in_order, presupposes};
+use crate::candidates::{by_sets, candidates, deciding, in_order, presupposes};
 use crate::searcher::Searcher;
-use crate::{SearchConfig, benchmark, issues, ranked, reply};
+use crate::status::{self, Bounds, Meant};
+use crate::value::{Truth, UNBOUNDED};
+use crate::{SearchConfig, World, benchmark, causes, issues, ranked, reply};
 use plan::{Moment, Plan, plans};
 use track::Track;
 
@@ -68,13 +73,77 @@ pub(crate) fn answer(
     answer.slots = slot_answers;
     answer.issues = issues(&searchers, &plans, query);
     answer.selection = selected.into_iter().collect();
+    if config.world == World::Open {
+        let recording = Recorded { frames, searchers: &searchers, plans: &plans, tracks: &tracks };
+        recording.settle(&mut answer, query, &moments);
+    }
     answer
+}
+
+/// A recording whose tracks are evaluated.
+struct Recorded<'r, 'i, 'a> {
+    frames: &'r [&'r GraphIndex<'a>],
+    searchers: &'r [Searcher<'i, 'a>],
+    plans: &'r [Plan],
+    tracks: &'r [Track<'a>],
+}
+
+impl Recorded<'_, '_, '_> {
+    /// Gives the answer its status, with the causes and the candidates of an open one.
+    fn settle(&self, answer: &mut Answer, query: &Query, moments: &[Vec<Moment<'_>>]) {
+        let count = |truth| self.tracks.iter().filter(|track| track.truth == truth).count();
+        let may_be_unseen = moments.iter().flatten().any(|moment| moment.meant.may_be_unseen);
+        let has_no_frame = self.plans.iter().any(|plan| plan.frames.is_empty());
+        let is_open = may_be_unseen || has_no_frame;
+        let perhaps = if is_open { UNBOUNDED } else { count(Truth::Unknown) };
+        let bounds = Bounds { sure: count(Truth::Yes), perhaps };
+        let others = |than: &Pattern| self.bounds_of(than);
+        let (status, reply) = status::judge(&query.task, bounds, others, &answer.reply);
+        (answer.status, answer.reply) = (status, reply);
+        if let (Status::Answered, Some(first)) = (status, self.searchers.first())
+            && !status::is_told(first, query, &answer.reply)
+        {
+            answer.status = Status::Unknown;
+        }
+        if status::is_not_understood(query) {
+            answer.status = Status::NotUnderstood;
+        }
+        let possible = self.tracks.iter().filter(|track| track.truth == Truth::Unknown);
+        let possible = possible.map(|track| Possible {
+            id: track.id.clone(),
+            probability: (track.score * track.ranking).clamp(0.0, 1.0),
+        });
+        answer.possible = possible.collect();
+        if answer.status.is_open() {
+            answer.because = self.causes(query, moments, &answer.reply);
+        }
+    }
+
+    /// How many others there are in the same slots.
+    fn bounds_of(&self, than: &Pattern) -> Bounds {
+        let slots: Vec<Vec<usize>> = self.plans.iter().map(|plan| plan.frames.clone()).collect();
+        let others = Query { task: Task::Count, target: than.clone(), ..Query::default() };
+        let config = self.searchers.first().map(|searcher| searcher.config).unwrap_or_default();
+        match answer(self.frames, Some(&slots), &others, &config).reply {
+            Reply::Number(count) => Bounds::of(count),
+            _ => Bounds { sure: 0, perhaps: UNBOUNDED },
+        }
+    }
+
+    /// What is unknown in any frame.
+    fn causes(&self, query: &Query, moments: &[Vec<Moment<'_>>], reply: &Reply) -> Vec<Cause> {
+        let each = moments.iter().flatten().flat_map(|moment| {
+            causes::of(&self.searchers[moment.frame], query, &moment.meant.perhaps, reply)
+        });
+        each.collect::<BTreeSet<Cause>>().into_iter().collect()
+    }
 }
 
 fn moment<'q>(searcher: &Searcher<'_, '_>, frame: usize, plan: &'q Plan) -> Moment<'q> {
     let evaluated = searcher.evaluate_on(&plan.pattern, candidates(searcher, &plan.pattern));
     let asked = Pattern { pick: plan.pick.clone(), ..plan.pattern.clone() };
-    Moment { frame, evaluated, holds: by_sets(searcher, &asked) }
+    let meant = Meant::by(&deciding(searcher, &Task::Count), &asked);
+    Moment { frame, evaluated, holds: by_sets(searcher, &asked), meant }
 }
 
 /// The tracks that are meant.
@@ -150,14 +219,14 @@ fn reply(
     let meant = || tracks.iter().filter(|track| selected.contains(track.id));
     match &query.task {
         Task::Find => Reply::Things,
-        Task::Count => Reply::Number(count),
-        Task::Exists(quantity) => Reply::YesNo(quantity.holds(count)),
+        Task::Count => Reply::Number(Count::Exact(count)),
+        Task::Exists(quantity) => Reply::YesNo(Some(quantity.holds(count))),
         Task::CompareCounts { order, than } => {
             let slots: Vec<Vec<usize>> = plans.iter().map(|plan| plan.frames.clone()).collect();
             let others = Query { task: Task::Count, target: (**than).clone(), ..Query::default() };
             let config = searchers.first().map(|searcher| searcher.config).unwrap_or_default();
             let others = answer(frames, Some(&slots), &others, &config).number().unwrap_or(0);
-            Reply::YesNo(reply::compare(count, *order, others))
+            Reply::YesNo(Some(reply::compare(count, *order, others)))
         }
         Task::Where => Reply::Properties(
             meant()

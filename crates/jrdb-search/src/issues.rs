@@ -85,6 +85,7 @@ impl Missing<'_, '_, '_> {
                 self.measure(&compared.measure);
                 self.pattern(&compared.than);
             }
+            Condition::Phrase(_) => {}
             Condition::Is(pattern) => self.pattern(pattern),
             Condition::Not(inner) => self.condition(inner),
             Condition::Any(parts) | Condition::All(parts) => {

@@ -8,7 +8,7 @@ use crate::evaluation::{Kinds, Link, Partner};
 use crate::geometry::beside;
 use crate::place::{self, is_distance};
 use crate::searcher::Searcher;
-use crate::value::Truth;
+use crate::value::{Truth, UNBOUNDED};
 
 impl Searcher<'_, '_> {
     /// Numbers of things that may stand in the relations to a subject, ascending.
@@ -38,6 +38,9 @@ impl Searcher<'_, '_> {
         partner: &Partner<'_>,
         neighbors: &[u32],
     ) -> usize {
+        if partner.may_be_unseen() || kinds.between.iter().any(Partner::may_be_unseen) {
+            return UNBOUNDED;
+        }
         if !kinds.is_local() || kinds.has_labels() || self.has_place(subject) {
             return 0;
         }
@@ -48,6 +51,19 @@ impl Searcher<'_, '_> {
 
     /// All the relations between a subject and one partner.
     pub(crate) fn link(&self, subject: usize, partner: usize, kinds: &Kinds<'_>) -> Link {
+        self.spatial_link(subject, partner, kinds).and(self.stated_link(subject, partner, kinds))
+    }
+
+    /// The relations that are about interactions.
+    fn stated_link(&self, subject: usize, partner: usize, kinds: &Kinds<'_>) -> Link {
+        kinds.labels.iter().fold(Link::SURE, |link, label| {
+            let is_stated = self.does(subject, partner, label);
+            link.and(Link::certain(self.of_interaction(label, is_stated)))
+        })
+    }
+
+    /// The relations that are about places.
+    fn spatial_link(&self, subject: usize, partner: usize, kinds: &Kinds<'_>) -> Link {
         let mut link = Link::SURE;
         for (places, outward) in [(&kinds.outward, true), (&kinds.inward, false)] {
             if !places.is_empty() {
@@ -62,16 +78,13 @@ impl Searcher<'_, '_> {
         for &word in &kinds.words {
             link = link.and(Link::certain(self.word(subject, partner, word)));
         }
-        for label in &kinds.labels {
-            link = link.and(Link::of(self.does(subject, partner, label)));
-        }
         if kinds.with {
             link = link.and(Link::certain(self.with_truth(subject, partner)));
         }
         for others in &kinds.between {
             link = link.and(self.between(subject, Some(partner), others));
         }
-        link
+        self.link_of_place(link)
     }
 
     /// Of what no edge says: it does not hold of a thing with a place, as graphs may leave out what is far.

@@ -3,11 +3,15 @@
 use jrdb_graph::BitSet;
 use jrdb_types::answer::Unit;
 use jrdb_types::query::{Category, Compared, Measure, Order, Pick};
-use jrdb_types::{Attribute, Node};
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{Attribute, Node, Pattern, Quantity};
 
+use crate::World;
 use crate::evaluation::Comparison;
 use crate::geometry::apart_m;
+use crate::known::Known;
 use crate::searcher::Searcher;
+use crate::value::{Truth, UNBOUNDED};
 
 /// The unit of a measure.
 pub(crate) fn unit(measure: &Measure) -> Unit {
@@ -42,17 +46,59 @@ impl Searcher<'_, '_> {
                 let metres = |n| self.seen_by_robot(self.index.node(n)?)?.distance_m;
                 (0..self.index.size()).map(metres).collect()
             }
-            Measure::DistanceTo(pattern) => {
+            Measure::DistanceTo(pattern) if self.guesses() => {
                 let those = self.resolve(pattern);
                 (0..self.index.size()).map(|n| self.nearest_m(n, &those)).collect()
             }
+            Measure::DistanceTo(pattern) => self.known_distances(pattern),
         }
+    }
+
+    /// Whether the best guess stands for what is not known: where everything is ranked, and in a closed world.
+    fn guesses(&self) -> bool {
+        self.config.policy == MatchPolicy::Ranked || self.config.world == World::Closed
+    }
+
+    /// The distance of everything to the nearest thing that a pattern means; unknown where one that may be meant, too,
+    /// could be nearer.
+    fn known_distances(&self, pattern: &Pattern) -> Vec<Option<f64>> {
+        let size = self.index.size();
+        if self.may_be_unseen(pattern) {
+            return vec![None; size];
+        }
+        let known = self.known_matching(pattern);
+        let mut perhaps = known.possible(&BitSet::below(size, size));
+        perhaps.subtract(&known.yes);
+        let distance = |number: usize| {
+            let nearest = self.nearest_m(number, &known.yes)?;
+            let is_nearer = |other| self.apart_m(number, other).is_none_or(|m| m < nearest);
+            let is_open = perhaps.iter().any(|other| other != number && is_nearer(other));
+            (!is_open).then_some(nearest)
+        };
+        (0..size).map(distance).collect()
     }
 
     /// A comparison, made ready.
     pub(crate) fn comparison(&self, compared: &Compared) -> Comparison {
         let measures = self.measures(&compared.measure);
-        Comparison { measures, than: self.resolve(&compared.than), order: compared.order }
+        let than = self.resolve(&compared.than);
+        if self.config.world == World::Closed {
+            return Comparison {
+                perhaps: BitSet::new(than.size()),
+                measures,
+                than,
+                may_be_unseen: false,
+                is_closed: true,
+                order: compared.order,
+            };
+        }
+        let known = self.known_matching(&compared.than);
+        let all = BitSet::below(than.size(), than.size());
+        let mut perhaps = known.possible(&all);
+        perhaps.subtract(&known.yes);
+        let may_be_unseen = self.may_be_unseen(&compared.than);
+        let (is_closed, order) = (false, compared.order);
+        Comparison { measures, than, perhaps, may_be_unseen, is_closed, order }
     }
 
     fn nearest_m(&self, number: usize, those: &BitSet) -> Option<f64> {
@@ -70,6 +116,49 @@ impl Searcher<'_, '_> {
         edges.find_map(|relation| relation.distance_m)
     }
 
+    /// Whom a pick surely takes and whom it surely does not, of those that match for sure and those that may match.
+    ///
+    /// It takes a thing for sure when the thing matches and, whoever else matches, so many are before it as must be. A
+    /// thing that cannot be measured may stand anywhere in the order, and so may things that were not seen.
+    pub(crate) fn picked(
+        &self,
+        yes: &BitSet,
+        maybe: &BitSet,
+        pick: &Pick,
+        others_unseen: bool,
+    ) -> Known {
+        let measures = self.measures(&pick.measure);
+        let first = pick.rank.saturating_sub(1) as usize;
+        let turn = Quantity {
+            at_least: first as u32,
+            at_most: (first as u32).checked_add(pick.count.saturating_sub(1)),
+        };
+        Known::split(maybe, |number| {
+            if pick.count == 0 {
+                return Truth::No;
+            }
+            let (mut sure, mut perhaps) = (0, if others_unseen { UNBOUNDED } else { 0_usize });
+            for other in maybe.iter().filter(|&other| other != number) {
+                let is_before = is_before(&measures, other, number, pick.order);
+                match is_before.map(|is_before| is_before && yes.contains(other)) {
+                    Some(true) => sure += 1,
+                    Some(false) if is_before == Some(false) => {}
+                    _ => perhaps = perhaps.saturating_add(1),
+                }
+            }
+            let own = if yes.contains(number) { Truth::Yes } else { Truth::Unknown };
+            own.min(Truth::of_count(turn, sure, perhaps))
+        })
+    }
+
+    /// What a pick takes of those that match, in a closed world; nobody else may match.
+    pub(crate) fn picked_from(&self, matching: &BitSet, pick: &Pick) -> Known {
+        let yes = self.pick(matching, pick);
+        let mut no = matching.clone();
+        no.subtract(&yes);
+        Known { yes, no }
+    }
+
     /// Those of a set that a pick takes. Ties go by id; what cannot be measured is not taken.
     pub(crate) fn pick(&self, set: &BitSet, pick: &Pick) -> BitSet {
         let order = in_order(set, &self.measures(&pick.measure), pick.order);
@@ -78,6 +167,16 @@ impl Searcher<'_, '_> {
         order.into_iter().skip(first).take(pick.count as usize).for_each(|n| picked.insert(n));
         picked
     }
+}
+
+/// Whether one thing is before another in the order of a measure; ties go by id. `None` if one cannot be measured.
+fn is_before(measures: &[Option<f64>], one: usize, other: usize, order: Order) -> Option<bool> {
+    let (own, others) = (measures[one]?, measures[other]?);
+    let by_measure = match order {
+        Order::Least => own.total_cmp(&others),
+        Order::Most => others.total_cmp(&own),
+    };
+    Some(by_measure.then(one.cmp(&other)).is_lt())
 }
 
 /// The members of a set in the order of a measure.

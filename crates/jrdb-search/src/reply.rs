@@ -2,7 +2,7 @@
 
 use jrdb_graph::BitSet;
 use jrdb_types::answer::{
-    DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues, Reply,
+    Count, DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues, Reply,
 };
 use jrdb_types::query::{Order, Property};
 use jrdb_types::{AttributeBelief, Node, Query, SpatialRelation, Task};
@@ -14,11 +14,11 @@ use crate::searcher::Searcher;
 pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitSet) -> Reply {
     match &query.task {
         Task::Find => Reply::Things,
-        Task::Count => Reply::Number(selection.count()),
-        Task::Exists(quantity) => Reply::YesNo(quantity.holds(selection.count())),
+        Task::Count => Reply::Number(Count::Exact(selection.count())),
+        Task::Exists(quantity) => Reply::YesNo(Some(quantity.holds(selection.count()))),
         Task::CompareCounts { order, than } => {
             let others = by_sets(searcher, than).count();
-            Reply::YesNo(compare(selection.count(), *order, others))
+            Reply::YesNo(Some(compare(selection.count(), *order, others)))
         }
         Task::Where => {
             Reply::Properties(selection.iter().filter_map(|n| place(searcher, n)).collect())

@@ -30,7 +30,7 @@ impl Searcher<'_, '_> {
         for others in kinds.between() {
             link = link.and(self.between(subject, None, others));
         }
-        link
+        self.link_of_place(link)
     }
 
     /// Where the robot is for the subject, or the subject for the robot.

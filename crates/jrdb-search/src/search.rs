@@ -9,7 +9,7 @@ use crate::candidates::{by_sets, candidates, deciding, ids, in_order, presuppose
 use crate::evaluation::Evaluated;
 use crate::searcher::Searcher;
 use crate::trace::Picked;
-use crate::{SearchConfig, benchmark, frames, issues, ranked, reply};
+use crate::{SearchConfig, benchmark, frames, issues, ranked, reply, status};
 
 /// Answers a question about one frame.
 ///
@@ -53,6 +53,8 @@ pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConf
     answer.trace = trace.collect();
     answer.selection = ids(index, &selection);
     answer.issues.extend(issues::of(&searcher, query));
+    let strictly = searcher.with(strict_of(config.policy));
+    status::settle(&mut answer, &strictly, query, &evaluated);
     answer
 }
 
@@ -124,6 +126,11 @@ fn chosen(searcher: &Searcher<'_, '_>, query: &Query, evaluated: &Evaluated<'_>)
         }
         MatchPolicy::Ranked => by_sets(searcher, evaluated.pattern),
     }
+}
+
+/// The policy by which a candidate satisfies a question: under `ranked` all conditions must hold.
+fn strict_of(policy: MatchPolicy) -> MatchPolicy {
+    if policy == MatchPolicy::Ranked { MatchPolicy::Strict } else { policy }
 }
 
 fn ranking(

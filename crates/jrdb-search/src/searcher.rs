@@ -7,21 +7,29 @@ use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::object;
 use jrdb_types::query::{Category, Measure};
 use jrdb_types::vocab::MatchPolicy;
-use jrdb_types::{LateralConvention, Node, Pattern, SpatialRelation};
+use jrdb_types::{Capabilities, LateralConvention, Node, Pattern, SpatialRelation};
 
 use crate::observer::{Front, Observer};
-use crate::{SearchConfig, group};
+use crate::{SearchConfig, World, group};
+
+/// What the closed world of the benchmark sees.
+static EVERYTHING: Capabilities = Capabilities::open();
 
 /// A graph, how it is searched, and what was already found out about it.
 pub(crate) struct Searcher<'i, 'a> {
     pub(crate) index: &'i GraphIndex<'a>,
     pub(crate) config: SearchConfig,
+    pub(crate) sees: &'i Capabilities,
     group_sizes: OnceCell<Vec<Option<u32>>>,
 }
 
 impl<'i, 'a> Searcher<'i, 'a> {
     pub(crate) fn new(index: &'i GraphIndex<'a>, config: &SearchConfig) -> Self {
-        Self { index, config: *config, group_sizes: OnceCell::new() }
+        let sees = match config.world {
+            World::Closed => &EVERYTHING,
+            World::Open => index.capabilities(),
+        };
+        Self { index, config: *config, sees, group_sizes: OnceCell::new() }
     }
 
     /// The same graph under another policy.

@@ -9,7 +9,9 @@ use jrdb_types::{Condition, Direction, DistanceWord, Pattern, Quantity, Related}
 
 use smallvec::SmallVec;
 
+use crate::World;
 use crate::evaluation::{Kinds, Link, Partner};
+use crate::known::Known;
 use crate::place;
 use crate::searcher::Searcher;
 use crate::value::Truth;
@@ -24,7 +26,16 @@ const SMALL_COUNTER_BITS: usize = 3;
 type Sets<'s> = SmallVec<[Cow<'s, BitSet>; 4]>;
 
 impl<'i> Searcher<'i, '_> {
-    /// Those that match a pattern: strictly under `strict`, else by the paper's two phases.
+    /// Those that surely match a pattern, its pick included.
+    pub(crate) fn surely_matching(&self, pattern: &Pattern) -> BitSet {
+        match (&pattern.pick, self.config.world) {
+            (Some(_), World::Open) => self.known_matching(pattern).yes,
+            _ => self.matches(pattern),
+        }
+    }
+
+    /// Those that match a pattern: strictly under `strict`, else by the paper's two phases. A pick is made from those
+    /// that surely match.
     pub(crate) fn matches(&self, pattern: &Pattern) -> BitSet {
         let found = self.unpicked(pattern);
         match &pattern.pick {
@@ -34,7 +45,7 @@ impl<'i> Searcher<'i, '_> {
     }
 
     fn unpicked(&self, pattern: &Pattern) -> BitSet {
-        let mut found = self.enough(pattern, |condition, within| self.yes(condition, within));
+        let mut found = self.enough(pattern);
         for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
             if found.is_empty() {
                 break;
@@ -52,21 +63,31 @@ impl<'i> Searcher<'i, '_> {
         }
     }
 
-    /// Those of a pattern's kind that have all of its attributes, or more than half; a function tells who has one.
-    fn enough<'s>(
-        &self,
-        pattern: &Pattern,
-        having: impl Fn(&Condition, &BitSet) -> Cow<'s, BitSet>,
-    ) -> BitSet {
+    /// Those of a pattern's kind that have all of its attributes, or more than half.
+    fn enough(&self, pattern: &Pattern) -> BitSet {
         let kind = self.kind(&pattern.category);
-        let attributes = || pattern.conditions.iter().filter(|c| !c.is_relation());
-        let mut found = BitSet::clone(&kind);
-        if self.config.policy == MatchPolicy::Strict || attributes().nth(2).is_none() {
-            attributes().for_each(|attribute| found.intersect(&having(attribute, &kind)));
-        } else {
-            let sets: Sets<'_> = attributes().map(|a| having(a, &kind)).collect();
-            more_than_half(&mut found, &sets);
+        let attributes = pattern.conditions.iter().filter(|c| !c.is_relation());
+        self.enough_of(&kind, attributes.map(|condition| self.yes(condition, &kind)))
+    }
+
+    /// Those of a kind that are in all of some sets, or in more than half of them.
+    pub(crate) fn enough_of<'s>(
+        &self,
+        kind: &BitSet,
+        mut sets: impl Iterator<Item = Cow<'s, BitSet>>,
+    ) -> BitSet {
+        let mut found = kind.clone();
+        if self.config.policy == MatchPolicy::Strict {
+            sets.for_each(|set| found.intersect(&set));
+            return found;
         }
+        let first: Sets<'_> = sets.by_ref().take(2).collect();
+        let Some(third) = sets.next() else {
+            first.iter().for_each(|set| found.intersect(set));
+            return found;
+        };
+        let sets: Sets<'_> = first.into_iter().chain([third]).chain(sets).collect();
+        more_than_half(&mut found, &sets);
         found
     }
 
@@ -91,11 +112,11 @@ impl<'i> Searcher<'i, '_> {
                 truth(&|n| comparison.truth(n))
             }
             Condition::Is(pattern) => {
-                let mut those = self.matches(pattern);
+                let mut those = self.surely_matching(pattern);
                 those.intersect(within);
                 those
             }
-            Condition::Not(inner) => self.no(inner, within),
+            Condition::Not(inner) => self.known(inner, within).no,
             Condition::Any(parts) => {
                 let mut any = BitSet::new(within.size());
                 parts.iter().for_each(|part| any.unite(&self.yes(part, within)));
@@ -107,68 +128,14 @@ impl<'i> Searcher<'i, '_> {
                 parts.iter().for_each(|part| all.intersect(&self.yes(part, within)));
                 all
             }
-            // The columns have them.
-            Condition::Attribute(_) => BitSet::new(within.size()),
+            // The columns have the attributes.
+            Condition::Phrase(_) | Condition::Attribute(_) => BitSet::new(within.size()),
         }
-    }
-
-    /// Those of `within` for which a condition is known not to hold.
-    fn no(&self, condition: &Condition, within: &BitSet) -> BitSet {
-        let mut no = within.clone();
-        if let Some((yes, known)) = self.column(condition) {
-            no.intersect(known);
-            no.subtract(yes);
-            return no;
-        }
-        let untruth = |truth: &dyn Fn(usize) -> Truth| retained(within, |n| truth(n) == Truth::No);
-        match condition {
-            Condition::FromRobot(place) => untruth(&|n| self.place_truth(n, place)),
-            Condition::GroupSize(quantity) => untruth(&|n| self.group_truth(n, *quantity)),
-            Condition::Related(related) => self.unrelated(related, within),
-            Condition::Compared(compared) => {
-                let comparison = self.comparison(compared);
-                untruth(&|n| comparison.truth(n))
-            }
-            Condition::Is(pattern) => {
-                no.subtract(&self.matches(pattern));
-                no.subtract(&self.undecided(pattern));
-                no
-            }
-            Condition::Not(inner) => {
-                no.intersect(&self.yes(inner, within));
-                no
-            }
-            Condition::Any(parts) => {
-                parts.iter().for_each(|part| no.intersect(&self.no(part, within)));
-                no
-            }
-            Condition::All(parts) => {
-                let mut any = BitSet::new(within.size());
-                parts.iter().for_each(|part| any.unite(&self.no(part, within)));
-                any
-            }
-            Condition::Attribute(_) => BitSet::new(within.size()),
-        }
-    }
-
-    /// Those that do not match a pattern, its pick apart, but might if what is unknown of them were so.
-    fn undecided(&self, pattern: &Pattern) -> BitSet {
-        let possible = |condition: &Condition, within: &BitSet| {
-            let mut possible = within.clone();
-            possible.subtract(&self.no(condition, within));
-            possible
-        };
-        let mut undecided = self.enough(pattern, |c, within| Cow::Owned(possible(c, within)));
-        for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
-            undecided = possible(relation, &undecided);
-        }
-        undecided.subtract(&self.unpicked(pattern));
-        undecided
     }
 
     /// The sets that the index has ready: who has the value, and of whom it is known.
     #[inline]
-    fn column(&self, condition: &Condition) -> Option<(&'i BitSet, &'i BitSet)> {
+    pub(crate) fn column(&self, condition: &Condition) -> Option<(&'i BitSet, &'i BitSet)> {
         let columns = self.index.columns();
         match condition {
             Condition::Attribute(value) => Some(columns.attribute(*value)),
@@ -181,7 +148,7 @@ impl<'i> Searcher<'i, '_> {
     /// Where a thing is for the robot.
     pub(crate) fn place_truth(&self, number: usize, asked: &Place) -> Truth {
         let found = self.index.node(number).and_then(|node| self.seen_by_robot(node));
-        found.map_or(Truth::Unknown, |found| place::truth(asked, &found))
+        found.map_or(Truth::Unknown, |found| self.of_place(place::truth(asked, &found)))
     }
 
     pub(crate) fn group_truth(&self, number: usize, asked: Quantity) -> Truth {
@@ -193,32 +160,37 @@ impl<'i> Searcher<'i, '_> {
         if self.see_one(related, &mut found) {
             return found;
         }
-        self.by_relation(related, within, Truth::Yes)
-    }
-
-    fn unrelated(&self, related: &Related, within: &BitSet) -> BitSet {
-        self.by_relation(related, within, Truth::No)
-    }
-
-    fn by_relation(&self, related: &Related, within: &BitSet, wanted: Truth) -> BitSet {
         // More partners than those found for sure cannot undo that there are enough.
-        let only_sure = wanted == Truth::Yes && related.quantity.at_most.is_none();
-        let partner = self.partner(&related.partner, only_sure);
-        let kinds = Kinds::new(&related.kinds, |pattern| self.partner(pattern, only_sure));
+        if related.quantity.at_most.is_some() {
+            return self.known_related(related, within).yes;
+        }
+        let partner = |pattern| self.sure_partner(pattern);
+        self.by_relation(related, within, partner).yes
+    }
+
+    pub(crate) fn by_relation<'q>(
+        &self,
+        related: &'q Related,
+        within: &BitSet,
+        partner: impl Fn(&'q Pattern) -> Partner<'q>,
+    ) -> Known {
+        let kinds = Kinds::new(&related.kinds, &partner);
+        let partner = partner(&related.partner);
         let mut scratch = Vec::new();
-        retained(within, |subject| {
+        Known::split(within, |subject| {
             let [sure, perhaps] = self.count_partners(subject, &kinds, &partner, &mut scratch);
-            Truth::of_count(related.quantity, sure, perhaps) == wanted
+            Truth::of_count(related.quantity, sure, perhaps)
         })
     }
 
-    fn partner<'q>(&self, pattern: &'q Pattern, only_sure: bool) -> Partner<'q> {
+    /// The partners that match for sure; nobody else is looked at.
+    fn sure_partner<'q>(&self, pattern: &'q Pattern) -> Partner<'q> {
         if pattern.category == Category::Robot {
             return Partner::Robot(pattern.conditions.is_empty());
         }
-        let nobody = || BitSet::new(self.index.size());
-        let undecided = if only_sure { nobody() } else { self.undecided(pattern) };
-        Partner::Things { passed: self.matches(pattern), undecided, evaluated: None }
+        let passed = self.surely_matching(pattern);
+        let undecided = BitSet::new(self.index.size());
+        Partner::Things { passed, undecided, may_be_unseen: false, evaluated: None }
     }
 
     /// How many partners there surely are, and how many more perhaps.
@@ -242,7 +214,7 @@ impl<'i> Searcher<'i, '_> {
             }
             match own.min(self.link(subject, other, kinds).truth) {
                 Truth::Yes => counts[0] += 1,
-                Truth::Unknown => counts[1] += 1,
+                Truth::Unknown => counts[1] = counts[1].saturating_add(1),
                 Truth::No => {}
             }
         }
@@ -256,7 +228,7 @@ impl<'i> Searcher<'i, '_> {
             related.quantity == Quantity::SOME && related.partner.category != Category::Robot;
         let edge = one_edge(&related.kinds).filter(|_| is_plain);
         let Some((direction, distance, viewpoint)) = edge else { return false };
-        let passed = self.matches(&related.partner);
+        let passed = self.surely_matching(&related.partner);
         let sees = |number| self.index.seen(number, direction, distance);
         if viewpoint == Viewpoint::Subject {
             found

@@ -184,13 +184,13 @@ impl Searcher<'_, '_> {
                 } else {
                     (self.edge_for(subject, partner, kinds, *viewpoint), self.person_observer())
                 };
-                let Some(relation) = relation else { return base };
+                let Some(relation) = relation else { return Check { unknown: true, ..base } };
+                let truth = self.of_place(place::truth(asked, &relation));
+                let probability = place::probability(asked, &relation, &observer);
                 Check {
                     finding: place_found(asked, &relation),
-                    holds: place::truth(asked, &relation).holds(),
-                    probability: place::probability(asked, &relation, &observer),
                     measured: place::measure(asked, &relation, self.lateral()),
-                    ..base
+                    ..of_link(Link { truth, probability }, base)
                 }
             }
             RelationKind::Pair(word) => {
@@ -200,7 +200,8 @@ impl Searcher<'_, '_> {
             RelationKind::Interaction(label) => {
                 let labels: Vec<String> =
                     self.interactions(subject, partner).map(Into::into).collect();
-                let link = Link::of(labels.contains(label));
+                let is_stated = labels.contains(label);
+                let link = Link::certain(self.of_interaction(label, is_stated));
                 Check {
                     finding: (!labels.is_empty()).then_some(Finding::Interactions(labels)),
                     ..of_link(link, base)
@@ -336,12 +337,13 @@ fn place_found(asked: &Place, relation: &SpatialRelation) -> Option<Finding> {
 }
 
 fn of_value(value: &Value) -> Check {
-    let (holds, probability) = (value.truth.holds(), value.probability);
-    Check { holds, probability, ..Check::default() }
+    let (holds, unknown) = (value.truth.holds(), value.truth == Truth::Unknown);
+    Check { holds, unknown, probability: value.probability, ..Check::default() }
 }
 
 fn of_link(link: Link, base: Check) -> Check {
-    Check { holds: link.truth.holds(), probability: link.probability, ..base }
+    let (holds, unknown) = (link.truth.holds(), link.truth == Truth::Unknown);
+    Check { holds, unknown, probability: link.probability, ..base }
 }
 
 /// The number of a relation that consists of one measured part.

@@ -27,11 +27,30 @@ impl Truth {
 
     /// Whether as many as asked are so, where this many surely are and so many more perhaps.
     pub(crate) fn of_count(asked: Quantity, sure: usize, perhaps: usize) -> Self {
-        let holds = asked.holds(sure);
-        let is_settled = (sure + 1..=sure + perhaps).all(|number| asked.holds(number) == holds);
-        if is_settled { Self::of(holds) } else { Self::Unknown }
+        let most = sure.saturating_add(perhaps);
+        let [least_asked, most_asked] =
+            [Some(asked.at_least), asked.at_most].map(|bound| bound.map(|bound| bound as usize));
+        let is_enough = least_asked.is_none_or(|least| sure >= least);
+        if is_enough && most_asked.is_none_or(|limit| most <= limit) {
+            return Self::Yes;
+        }
+        let too_few = least_asked.is_some_and(|least| most < least);
+        let too_many = most_asked.is_some_and(|limit| sure > limit);
+        if too_few || too_many { Self::No } else { Self::Unknown }
+    }
+
+    /// The contrary.
+    pub(crate) fn negated(self) -> Self {
+        match self {
+            Self::No => Self::Yes,
+            Self::Unknown => Self::Unknown,
+            Self::Yes => Self::No,
+        }
     }
 }
+
+/// A number of things that has no bound: of a kind that perception does not see there may be any number.
+pub(crate) const UNBOUNDED: usize = usize::MAX;
 
 /// Number that nothing has.
 pub(crate) const NOBODY: u32 = u32::MAX;
@@ -63,6 +82,10 @@ impl Value {
         witness: NOBODY,
     };
 
+    /// Words that were not understood: it is as probable that they hold as that they do not.
+    pub(crate) const NOT_UNDERSTOOD: Self =
+        Self { probability: 0.5, ranking: 0.5, ..Self::UNKNOWN };
+
     /// Something of one truth and one probability.
     pub(crate) fn new(truth: Truth, probability: f64) -> Self {
         let satisfied = u32::from(truth.holds());
@@ -76,11 +99,7 @@ impl Value {
 
     /// The contrary. Of what is unknown and not at all probable the contrary is not probable either.
     pub(crate) fn negated(self) -> Self {
-        let truth = match self.truth {
-            Truth::No => Truth::Yes,
-            Truth::Unknown => Truth::Unknown,
-            Truth::Yes => Truth::No,
-        };
+        let truth = self.truth.negated();
         let unknown = self.truth == Truth::Unknown;
         let other = |p: f64| if unknown && p == 0.0 { 0.0 } else { 1.0 - p };
         Self {
@@ -130,6 +149,18 @@ mod tests {
         assert_eq!((unknown.truth, unknown.probability), (Truth::Unknown, 0.8));
         assert_eq!(Value::UNKNOWN.negated().probability, 0.0);
         assert_eq!(Value::certain(Truth::No).negated(), Value::certain(Truth::Yes));
+    }
+
+    #[test]
+    fn a_count_is_settled_when_every_number_between_its_bounds_gives_one_truth() {
+        let truth = |asked, sure, perhaps| Truth::of_count(asked, sure, perhaps);
+        assert_eq!(truth(Quantity::SOME, 0, 3), Truth::Unknown);
+        assert_eq!(truth(Quantity::SOME, 1, UNBOUNDED), Truth::Yes);
+        assert_eq!(truth(Quantity::NONE, 0, 1), Truth::Unknown);
+        assert_eq!(truth(Quantity::NONE, 1, UNBOUNDED), Truth::No);
+        assert_eq!(truth(Quantity::exactly(2), 1, 0), Truth::No);
+        assert_eq!(truth(Quantity::exactly(2), 1, 2), Truth::Unknown);
+        assert_eq!(truth(Quantity::at_least(4), 1, 2), Truth::No);
     }
 
     #[test]

@@ -42,7 +42,7 @@ pub(super) fn labels(
     };
     let num_points: BTreeMap<EntityId, usize> = detections.iter().map(count).collect();
     let image = LensModel::Cylindrical(robot::calibration().panorama).image();
-    let detections = Detections { frame: frame.clone(), image, detections, issues: Vec::new() };
+    let detections = Detections::new(frame.clone(), image, detections);
     LabelledFrame { detections, num_points }
 }
 

@@ -1,10 +1,12 @@
 //! What search hands on: the reply, who was meant, how probable each candidate is, and why.
 
 mod found;
+mod status;
 mod trace;
 mod why_not;
 
 pub use found::{DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues};
+pub use status::{Cause, CauseKind, Count, Possible, Status};
 pub use trace::{CandidateTrace, Check, Criterion, Finding, Measured, Partner, Unit};
 pub use why_not::{Reason, WhyNot};
 
@@ -38,9 +40,9 @@ pub enum Reply {
     /// The selection itself.
     Things,
     /// How many.
-    Number(usize),
-    /// Yes or no.
-    YesNo(bool),
+    Number(Count),
+    /// Yes or no; absent when it cannot be determined.
+    YesNo(Option<bool>),
     /// Values or places, sorted by thing, then as asked.
     #[serde(rename = "told")]
     Properties(Vec<PropertyValues>),
@@ -118,10 +120,22 @@ pub struct Answer {
     pub policy: MatchPolicy,
     /// Which side "left" named.
     pub lateral: LateralConvention,
+    /// Whether the question could be answered.
+    #[serde(default)]
+    pub status: Status,
+    /// Why it could not, sorted; empty when it could.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub because: Vec<Cause>,
     /// The reply.
     pub reply: Reply,
-    /// The things meant, sorted by id.
+    /// Probability of the reply, in `[0, 1]`; absent when it cannot be stated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub probability: Option<f64>,
+    /// The things meant, sorted by id; a guess unless the question was answered.
     pub selection: Vec<EntityId>,
+    /// The things that may be meant besides those that certainly are, sorted by id.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub possible: Vec<Possible>,
     /// Every candidate that is not impossible, most probable first; ties by id.
     pub ranking: Vec<Ranked>,
     /// Every candidate of the asked kind, sorted by id.
@@ -152,8 +166,12 @@ impl Answer {
             task: query.task.clone(),
             policy,
             lateral,
+            status: Status::Answered,
+            because: Vec::new(),
             reply: Reply::Things,
+            probability: None,
             selection: Vec::new(),
+            possible: Vec::new(),
             ranking: Vec::new(),
             trace: Vec::new(),
             slots: Vec::new(),
@@ -162,14 +180,14 @@ impl Answer {
         }
     }
 
-    /// How many there are, when that was the question.
+    /// How many there are, when that was the question and the number is known.
     #[must_use]
     pub fn number(&self) -> Option<usize> {
-        if let Reply::Number(number) = self.reply { Some(number) } else { None }
+        if let Reply::Number(count) = self.reply { count.exact() } else { None }
     }
 }
 
 impl Payload for Answer {
     const SCHEMA: &'static str = "jrdb.answer";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 }

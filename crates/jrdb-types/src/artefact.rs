@@ -149,12 +149,12 @@ mod tests {
     #[test]
     fn another_version_is_named_before_the_data_are_read() {
         let found = error(&text("jrdb.query", 99, "[]"));
-        assert_eq!(found, "expected jrdb.query version 2, found version 99");
+        assert_eq!(found, "expected jrdb.query version 3, found version 99");
     }
 
     #[test]
     fn wrong_data_are_malformed() {
-        assert_eq!(error(&text("jrdb.query", 2, "[]")), "not a well-formed jrdb.query artefact");
+        assert_eq!(error(&text("jrdb.query", 3, "[]")), "not a well-formed jrdb.query artefact");
         assert_eq!(error("{"), "not a well-formed jrdb.query artefact");
     }
 

@@ -3,11 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
-use crate::attribute::Attributes;
+use crate::attribute::{Attribute, Attributes};
+use crate::capabilities::{Capabilities, Coverage};
 use crate::geometry::{Box3d, ImageGeometry, PixelBox};
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
 use crate::vocab::Occlusion;
+
+pub use crate::object::PERSON;
 
 /// Something a person does with another, as the labels or a model say it.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -82,9 +85,6 @@ impl Detection {
     }
 }
 
-/// The category of people.
-pub const PERSON: &str = "person";
-
 /// Everything seen in one image, sorted by id.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -95,6 +95,9 @@ pub struct Detections {
     pub image: ImageGeometry,
     /// What was seen.
     pub detections: Vec<Detection>,
+    /// What could have been seen; when absent, what occurs in the detections.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capabilities: Option<Capabilities>,
     /// What could not be used.
     #[serde(default)]
     pub issues: Vec<Issue>,
@@ -104,8 +107,23 @@ impl Detections {
     /// Detections of one image, without issues.
     #[must_use]
     pub fn new(frame: FrameId, image: ImageGeometry, detections: Vec<Detection>) -> Self {
-        Self { frame, image, detections, issues: Vec::new() }
+        Self { frame, image, detections, capabilities: None, issues: Vec::new() }
     }
+}
+
+/// What occurs in some detections: what their source can see, where it does not say so itself.
+pub fn occurring<'a>(detections: impl IntoIterator<Item = &'a Detection>) -> Capabilities {
+    let mut seen = Capabilities::none();
+    for detection in detections {
+        let known = |&a: &Attribute| !detection.attributes.belief(a).is_unknown();
+        seen.unite(Capabilities {
+            categories: std::iter::once(detection.category.clone()).collect(),
+            attributes: Attribute::ALL.iter().copied().filter(known).collect(),
+            interactions: detection.interactions.iter().map(|one| one.label.clone()).collect(),
+            places: Coverage::Complete,
+        });
+    }
+    seen
 }
 
 impl Payload for Detections {

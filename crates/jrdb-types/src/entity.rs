@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
 use crate::attribute::Attributes;
+use crate::capabilities::Capabilities;
 use crate::detection::Interaction;
 use crate::geometry::{Box3d, PixelBox};
 use crate::id::{EntityId, FrameId};
@@ -236,6 +237,9 @@ pub struct Entities {
     /// Who is between whom, sorted by the middle one, then the ends.
     #[serde(default)]
     pub between: Vec<Between>,
+    /// What could have been seen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capabilities: Option<Capabilities>,
     /// What could not be placed, and why.
     #[serde(default)]
     pub issues: Vec<Issue>,
@@ -246,7 +250,8 @@ impl Entities {
     #[must_use]
     pub fn new(frame: FrameId, lateral: LateralConvention) -> Self {
         let (entities, relations) = (Vec::new(), Vec::new());
-        Self { frame, lateral, entities, relations, between: Vec::new(), issues: Vec::new() }
+        let (between, issues) = (Vec::new(), Vec::new());
+        Self { frame, lateral, entities, relations, between, capabilities: None, issues }
     }
 }
 

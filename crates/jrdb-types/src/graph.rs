@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::artefact::Payload;
-use crate::attribute::Attributes;
+use crate::attribute::{Attribute, Attributes};
+use crate::capabilities::{Capabilities, Coverage};
 use crate::entity::{Between, SpatialRelation};
 use crate::geometry::PixelBox;
 use crate::id::{EntityId, FrameId};
@@ -123,17 +124,39 @@ pub struct SceneGraph {
     /// Who is between whom, sorted by the middle one, then the ends.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub between: Vec<Between>,
+    /// What could have been seen; when absent, what occurs in the graph.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub capabilities: Option<Capabilities>,
     /// What could not be built.
     #[serde(default)]
     pub issues: Vec<Issue>,
 }
 
 impl SceneGraph {
-    /// A graph of these nodes, sorted by id, without edges.
+    /// A graph of these nodes, sorted by id, without edges. It holds all that there is: what is not in it is not there.
     #[must_use]
     pub fn new(frame: FrameId, lateral: LateralConvention, mut nodes: Vec<Node>) -> Self {
         nodes.sort_by(|a, b| a.id.cmp(&b.id));
-        Self { frame, lateral, nodes, edges: Vec::new(), between: Vec::new(), issues: Vec::new() }
+        let (edges, between, issues) = (Vec::new(), Vec::new(), Vec::new());
+        let capabilities = Some(Capabilities::open());
+        Self { frame, lateral, nodes, edges, between, capabilities, issues }
+    }
+}
+
+/// What occurs in a graph: what could be seen, where the graph does not say so itself.
+#[must_use]
+pub fn occurring(graph: &SceneGraph) -> Capabilities {
+    let known =
+        |&a: &Attribute| graph.nodes.iter().any(|node| !node.attributes.belief(a).is_unknown());
+    let labels = graph.edges.iter().filter_map(|edge| match &edge.relation {
+        EdgeRelation::Interaction { label } => Some(label.clone()),
+        _ => None,
+    });
+    Capabilities {
+        categories: graph.nodes.iter().map(|node| node.category.clone()).collect(),
+        attributes: Attribute::ALL.iter().copied().filter(known).collect(),
+        interactions: labels.collect(),
+        places: Coverage::Complete,
     }
 }
 

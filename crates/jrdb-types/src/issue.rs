@@ -12,6 +12,8 @@ use crate::id::EntityId;
 pub enum IssueKind {
     /// A file of the frame is absent or unreadable; what depends on it is absent too.
     MissingInput,
+    /// A label file of the sequence is absent; what it holds is unknown.
+    MissingLabels,
     /// An object of a label file could not be used.
     BadLabel,
     /// A model could not describe a person: its attributes are unknown.
@@ -36,8 +38,18 @@ pub enum IssueKind {
     BadNotation,
     /// A phrase could be read in more than one way; the message says which way was taken.
     Ambiguous,
+    /// The text holds neither a target nor a form of question.
+    NotUnderstood,
     /// The query asks for something that this scene graph cannot hold.
     NotInGraph,
+}
+
+impl IssueKind {
+    /// Whether a file of the frame, or of its labels, is absent or unreadable.
+    #[must_use]
+    pub const fn is_missing_input(self) -> bool {
+        matches!(self, Self::MissingInput | Self::MissingLabels)
+    }
 }
 
 /// A stretch of the query text, in bytes, end exclusive.

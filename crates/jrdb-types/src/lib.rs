@@ -4,6 +4,7 @@ pub mod answer;
 pub mod artefact;
 pub mod attribute;
 pub mod calibration;
+pub mod capabilities;
 mod causes;
 pub mod detection;
 pub mod entity;
@@ -22,12 +23,13 @@ pub mod score;
 pub mod sensor;
 pub mod vocab;
 
-pub use answer::Answer;
+pub use answer::{Answer, Status};
 pub use artefact::{Artefact, ArtefactError, Payload};
 pub use attribute::{
     Attribute, AttributeBelief, AttributeNotation, AttributeRow, AttributeSource, AttributeValue,
     AttributeWording, Attributes, Belief,
 };
+pub use capabilities::{Capabilities, Coverage, Vocabulary};
 pub use causes::with_causes;
 pub use detection::{Detection, Detections};
 pub use entity::{Entities, Entity, Heading, Localizer, PairRelation, Position, SpatialRelation};

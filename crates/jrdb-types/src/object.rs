@@ -1,5 +1,8 @@
 //! Classes of objects, which datasets and detectors name each in their own way.
 
+/// The category of people.
+pub const PERSON: &str = "person";
+
 /// A class and the wider one that it is a kind of. The widest are JRDB's panoptic classes as its labels spell them; the others are
 /// COCO's classes, which most detectors know, and plain words.
 const KINDS: [(&str, &str); 45] = [

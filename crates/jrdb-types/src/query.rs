@@ -1,6 +1,9 @@
 //! What the parser hands on: a question as an algebra of conditions on things and on their relations.
 
+mod phrase;
 mod serial;
+
+pub use phrase::Phrase;
 
 use serde::{Deserialize, Serialize};
 
@@ -288,6 +291,8 @@ pub enum Condition {
     Related(Related),
     /// More or less of something than others.
     Compared(Compared),
+    /// What these words say of it. They were not understood, so it is unknown whether it holds.
+    Phrase(Phrase),
     /// It is one of these.
     Is(Box<Pattern>),
     /// It does not hold.
@@ -391,5 +396,5 @@ pub struct Query {
 
 impl Payload for Query {
     const SCHEMA: &'static str = "jrdb.query";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
 }

@@ -12,7 +12,7 @@ pub(crate) enum Format {
     /// For people.
     #[default]
     Text,
-    /// For programs.
+    /// For programs: one document
     Json,
 }
 

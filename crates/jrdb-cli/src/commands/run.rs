@@ -6,13 +6,14 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use anyhow::Result;
-use clap::Args;
-use jrdb_cli::report::{Detail, JsonReport, Telling};
+use clap::{Args, ValueEnum};
+use jrdb_cli::health::{self, Demands};
+use jrdb_cli::report::{Detail, JsonForm, JsonReport, Telling};
 use jrdb_cli::{Error, FrameResult, Run, RunOptions, RunSummary, report};
 use jrdb_pipeline::{PipelineConfig, read_query};
 
 use super::args::{Iou, PerceptionArgs, ProjectionArgs, SourceArgs};
-use super::print::{Format, say, tell_profile};
+use super::print::{say, tell_profile};
 use super::progress::Progress;
 use super::question::{AnswerArgs, ReadingArgs};
 
@@ -60,7 +61,25 @@ pub(crate) struct RunArgs {
     brief: bool,
     /// How results are printed
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
+    format: RunFormat,
+    /// Exit with 1 when a part of a frame's input could not be used, and not only when a frame failed
+    #[arg(long)]
+    strict: bool,
+    /// Exit with 3 when a question cannot be answered: it is unknown or not understood
+    #[arg(long)]
+    require_answer: bool,
+}
+
+/// How results are printed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum RunFormat {
+    /// For people
+    #[default]
+    Text,
+    /// For programs: one document
+    Json,
+    /// For programs: a line for each answer, then one for the run
+    Jsonl,
 }
 
 impl RunArgs {
@@ -125,13 +144,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     }
     let summary = summary?;
     printer.end(&summary)?;
-    if let (Format::Text, Some(out)) = (args.format, &args.out) {
+    if let (RunFormat::Text, Some(out)) = (args.format, &args.out) {
         say(&format!("answers and pictures are in {}\n", out.display()))?;
     }
     for (frame, error) in &summary.failures {
         eprintln!("error: {frame}: {error}");
     }
-    Ok(ExitCode::from(u8::from(!summary.failures.is_empty())))
+    if let Some(line) = summary.health.line() {
+        eprintln!("{line}");
+    }
+    let demands = Demands { strict: args.strict, require_answer: args.require_answer };
+    Ok(ExitCode::from(health::exit_code(&summary, demands)))
 }
 
 /// Prints results as they come.
@@ -143,8 +166,9 @@ enum Printer<'a> {
 impl<'a> Printer<'a> {
     fn new(args: &RunArgs, config: &'a PipelineConfig) -> Self {
         match args.format {
-            Format::Text => Self::Text(args.telling()),
-            Format::Json => Self::Json(JsonReport::default(), config),
+            RunFormat::Text => Self::Text(args.telling()),
+            RunFormat::Json => Self::Json(JsonReport::new(JsonForm::Document), config),
+            RunFormat::Jsonl => Self::Json(JsonReport::new(JsonForm::Lines), config),
         }
     }
 
@@ -159,8 +183,8 @@ impl<'a> Printer<'a> {
         match self {
             Self::Text(telling) => say(&report::frame(result, telling)),
             Self::Json(report, config) => {
-                let answered = result.output.iter().flat_map(|output| &output.answered);
-                answered.map(|one| report.answer(&one.answer, config)).try_for_each(|t| say(&t))
+                let mut outputs = result.output.iter();
+                outputs.try_for_each(|output| say(&report.frame(output, config)))
             }
         }
     }

@@ -68,7 +68,7 @@ pub(crate) fn write(root: &Path) {
             person(2, [0.0, 3.0], Gender::Female, [94.0, 10.0, 12.0, 31.0]),
         ];
         let image = calibration.rig().cameras[0].lens.image();
-        let detections = Detections { frame: id, image, detections: people, issues: Vec::new() };
+        let detections = Detections::new(id, image, people);
         frames.push(LabelledFrame { detections, num_points: Default::default() });
     }
     writer.labels(SEQUENCE, &frames).unwrap();

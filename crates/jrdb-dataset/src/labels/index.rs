@@ -53,6 +53,16 @@ impl<T: Label> LabelFile<T> {
         self.frames.keys().copied()
     }
 
+    /// Whether the file has no frame at all, or is not there.
+    pub(super) fn is_absent(&self) -> bool {
+        self.frames.is_empty()
+    }
+
+    /// Whether the file has a frame.
+    pub(super) fn has(&self, frame: u32) -> bool {
+        self.frames.contains_key(&frame)
+    }
+
     /// The objects of a frame; those that could not be read say why.
     pub(super) fn of_frame(&self, frame: u32) -> Vec<Result<T, Trouble>> {
         let parts = self.frames.get(&frame).into_iter().flat_map(BTreeMap::values);

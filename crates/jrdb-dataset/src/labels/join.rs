@@ -66,7 +66,7 @@ impl<'a> Joined<'a> {
         let detections =
             things.iter().filter_map(|(id, parts)| self.detection(id, parts, image)).collect();
         self.issues.sort();
-        Detections { frame: frame.clone(), image, detections, issues: self.issues }
+        Detections { issues: self.issues, ..Detections::new(frame.clone(), image, detections) }
     }
 
     fn detection(

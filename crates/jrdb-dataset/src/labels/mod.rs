@@ -1,5 +1,6 @@
 //! The labels of a sequence: three files joined by frame and id.
 
+mod classes;
 mod index;
 mod join;
 mod raw;
@@ -10,7 +11,10 @@ pub(crate) use join::wrap_rad;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use jrdb_types::{Detections, FrameId, ImageGeometry};
+use jrdb_types::detection::PERSON;
+use jrdb_types::{
+    Attribute, Capabilities, Detections, FrameId, ImageGeometry, Issue, IssueKind, Vocabulary,
+};
 
 use crate::Error;
 use index::LabelFile;
@@ -20,6 +24,10 @@ use raw::{BoxLabel, SocialLabel, SpaceLabel};
 pub(crate) const BOXES: &str = "labels_2d_stitched";
 pub(crate) const SPACE: &str = "labels_3d";
 pub(crate) const SOCIAL: &str = "labels_2d_activity_social_stitched";
+
+/// The attributes that the social file holds.
+const SOCIAL_ATTRIBUTES: [Attribute; 4] =
+    [Attribute::Age, Attribute::Gender, Attribute::Race, Attribute::Action];
 
 /// The labels of one sequence: 2D boxes, 3D boxes, and JRDB-Act and JRDB-Social attributes.
 ///
@@ -31,6 +39,8 @@ pub struct SequenceLabels {
     boxes: LabelFile<BoxLabel>,
     space: LabelFile<SpaceLabel>,
     social: LabelFile<SocialLabel>,
+    /// Classes of all objects of the sequence.
+    classes: BTreeSet<String>,
 }
 
 impl SequenceLabels {
@@ -46,6 +56,7 @@ impl SequenceLabels {
             boxes: LabelFile::open(&paths[0])?,
             space: LabelFile::open(&paths[1])?,
             social: LabelFile::open(&paths[2])?,
+            classes: classes::of_files(&paths)?,
         })
     }
 
@@ -75,7 +86,45 @@ impl SequenceLabels {
         joined.add(BOXES, &boxes, |parts, label| parts.flat = Some(label));
         joined.add(SPACE, &space, |parts, label| parts.space = Some(label));
         joined.add(SOCIAL, &social, |parts, label| parts.social = Some(label));
-        joined.into_detections(frame, image)
+        let mut detections = joined.into_detections(frame, image);
+        let missing = self.missing(frame);
+        detections.capabilities = Some(self.capabilities(frame.frame));
+        detections.issues.splice(0..0, missing);
+        detections
+    }
+
+    /// What these labels state about a frame: the classes that occur in the sequence, and what the social file holds.
+    fn capabilities(&self, frame: u32) -> Capabilities {
+        let has_boxes = self.boxes.has(frame) || self.social.has(frame);
+        if !has_boxes {
+            return Capabilities::none();
+        }
+        let people = std::iter::once(PERSON.to_owned());
+        let categories = people.chain(self.classes.iter().cloned()).collect();
+        if self.social.has(frame) {
+            let (attributes, interactions) = (SOCIAL_ATTRIBUTES.into_iter(), Vocabulary::OPEN);
+            let attributes = attributes.collect();
+            return Capabilities { categories, attributes, interactions, ..Capabilities::none() };
+        }
+        Capabilities { categories, ..Capabilities::none() }
+    }
+
+    /// What is not there of a frame.
+    fn missing(&self, frame: &FrameId) -> Vec<Issue> {
+        let lacks = |folder: &str, what: &str| {
+            let sequence = &frame.sequence;
+            let message = format!(
+                "labels/{folder}/{sequence}.json has nothing for frame {}: {what} unknown",
+                frame.frame
+            );
+            Issue::new(IssueKind::MissingLabels, message)
+        };
+        match [self.boxes.has(frame.frame), self.social.has(frame.frame)] {
+            [_, true] => Vec::new(),
+            [true, false] if self.social.is_absent() => Vec::new(),
+            [true, false] => vec![lacks(SOCIAL, "ages, genders, actions and interactions are")],
+            [false, false] => vec![lacks(BOXES, "who is there is")],
+        }
     }
 }
 

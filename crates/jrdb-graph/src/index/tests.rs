@@ -47,6 +47,7 @@ fn scene() -> SceneGraph {
             sees(7, 7, Sector::Back, DistanceWord::Close),
         ],
         between: Vec::new(),
+        capabilities: Some(Capabilities::open()),
         issues: Vec::new(),
     }
 }

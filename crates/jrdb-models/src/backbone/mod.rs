@@ -49,6 +49,9 @@ pub struct Backbone {
     pub about: String,
     /// What finds people and things.
     pub detector: DetectorFiles,
+    /// The classes that the detector was trained for; those that it states itself if absent.
+    #[serde(default)]
+    pub categories: Option<Vec<String>>,
     /// What describes people; nobody does if absent.
     #[serde(default)]
     pub attributes: Option<AttributeFiles>,
@@ -184,7 +187,9 @@ impl Backbone {
             "detector": detector.config(),
             "attributes": attribute_config,
         });
-        Ok(Opened { models: Models { detector, attributes, grounder, config }, notes })
+        let categories = self.categories.as_ref().map(|all| all.iter().cloned().collect());
+        let models = Models { detector, attributes, grounder, categories, config };
+        Ok(Opened { models, notes })
     }
 }
 

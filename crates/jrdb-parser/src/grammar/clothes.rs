@@ -100,7 +100,7 @@ impl Parser<'_> {
             return false;
         }
         let message = "colours of things are not known here, not used".into();
-        self.report(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
+        self.report_unread(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
         self.bump();
         true
     }
@@ -124,7 +124,7 @@ impl Parser<'_> {
                 "the colour of \"{}\" is not known here, not used",
                 self.word(self.state.at)
             );
-            self.report(IssueKind::NotInGraph, start, self.state.at, message);
+            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
         }
         self.bump();
         pattern.conditions.push(*worn);
@@ -206,7 +206,7 @@ impl Parser<'_> {
                 let message = format!(
                     "\"{word}\": only clothes above and below the waist are known here, not used"
                 );
-                return self.report(IssueKind::NotInGraph, start, at + 1, message);
+                return self.report_unread(IssueKind::NotInGraph, start, at + 1, message);
             }
         };
         let message = format!("\"{word}\" read as whatever is worn {place}");

@@ -111,8 +111,7 @@ impl Parser<'_> {
             return None;
         }
         self.state.at = next;
-        self.report_unknown_noun();
-        let pattern = Pattern::of(Category::Anything);
+        let pattern = self.unknown_entity();
         Some(Partner { pattern, ..Partner::default() })
     }
 

@@ -5,7 +5,7 @@ use jrdb_types::query::{Category, Order, Property, Quantity, Task};
 use jrdb_types::{Attribute, Condition, Pattern, Query};
 
 use crate::lexicon::{Role, Roles};
-use crate::parser::Parser;
+use crate::parser::{Parser, has_known_word};
 use crate::pattern::{all_of, split_from};
 use crate::phrase::{NounGroup, Target};
 
@@ -35,11 +35,16 @@ enum Verb {
 impl Parser<'_> {
     /// Reads the whole question.
     pub(crate) fn question(mut self) -> Query {
-        let (task, target) = self.question_form();
+        let (task, mut target) = self.question_form();
         while !self.is_end() {
             self.report_unused();
         }
+        let asks = task != Task::Find || target != Pattern::default();
+        if !asks && !has_known_word(self.text) {
+            self.report_not_understood();
+        }
         let text = self.text.into();
+        target.conditions.extend(self.unread());
         let (slots, issues) = self.finish();
         Query { text, task, target, slots, issues }
     }
@@ -119,7 +124,19 @@ impl Parser<'_> {
     fn counted_target(&mut self) -> Pattern {
         let target = self.target();
         self.report_count(&target);
+        self.report_groups();
         target.pattern
+    }
+
+    /// "how many couples": people who are in groups are counted, and not the groups.
+    fn report_groups(&mut self) {
+        let is_group = |c: &Condition| matches!(c, Condition::GroupSize(_));
+        let noun = self.state.head_noun.filter(|noun| noun.implies.iter().any(is_group));
+        let is_noun = |at: &usize| noun.is_some_and(|noun| std::ptr::eq(noun, self.entry_at(*at)));
+        if let Some(at) = (0..self.state.at).find(is_noun) {
+            let message = "groups are not counted here, only the people in them".into();
+            self.report_unread(IssueKind::NotInGraph, at, at + 1, message);
+        }
     }
 
     /// Skips "Robot, …", which addresses the robot.
@@ -255,7 +272,7 @@ impl Parser<'_> {
         let mut first = self.finish_target(group);
         if !self.eat(Role::Than) {
             let message = "more than what is not said, not used".into();
-            self.report(IssueKind::MisplacedWord, start, start + 1, message);
+            self.report_unread(IssueKind::MisplacedWord, start, start + 1, message);
             return (Task::Exists(Quantity::SOME), first.pattern);
         }
         self.skip_while(Roles::of(&[Role::Filler, Role::Is]));

@@ -94,14 +94,14 @@ impl Parser<'_> {
             self.bump();
             self.nested(Self::noun_phrase);
             let message = "nearer to one thing than to another cannot be asked, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.state.at, message);
+            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
             return self.beyond(pattern, measured, order, metres, start);
         }
         let Some(than) = self.nested(Self::noun_phrase) else {
-            self.report(
+            self.report_unread(
                 IssueKind::MisplacedWord,
                 start,
                 self.state.at,
@@ -126,7 +126,7 @@ impl Parser<'_> {
     ) -> bool {
         if measured != Measured::Distance {
             let message = "only distances are compared with metres, not used".into();
-            self.report(IssueKind::NotInGraph, start, self.state.at, message);
+            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
         let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
@@ -150,7 +150,7 @@ impl Parser<'_> {
     pub(crate) fn put_pick(&mut self, pattern: &mut Pattern, pick: Pick, start: usize) -> bool {
         if pattern.pick.is_some() {
             let message = "only one order can be asked for, this one is not used".into();
-            self.report(IssueKind::MisplacedWord, start, self.state.at, message);
+            self.report_unread(IssueKind::MisplacedWord, start, self.state.at, message);
         } else {
             pattern.pick = Some(pick);
         }
@@ -180,7 +180,7 @@ impl Parser<'_> {
         } else {
             let message =
                 "in which order is not said: say \"from the left\" or \"tallest\"; not used";
-            self.report(IssueKind::MisplacedWord, at, at + 1, message.into());
+            self.report_unread(IssueKind::MisplacedWord, at, at + 1, message.into());
         }
     }
 

@@ -39,8 +39,7 @@ impl Parser<'_> {
         let next = self.next_not_in(self.state.at, Roles::of(&[Role::The, Role::A]));
         if next > self.state.at && self.is_at(next, Role::Unknown) {
             self.state.at = next;
-            self.report_unknown_noun();
-            let pattern = Pattern::of(Category::Anything);
+            let pattern = self.unknown_entity();
             return NounGroup { pattern, ..NounGroup::default() };
         }
         NounGroup::default()

@@ -41,7 +41,7 @@ impl Parser<'_> {
         let from = if to { self.noun_phrase() } else { None };
         if from.is_some_and(|from| from.category != Category::Robot) {
             let message = "only distances from the robot are told, this is not used".into();
-            self.report(IssueKind::NotInGraph, start, self.state.at, message);
+            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
         }
     }
 

@@ -1,7 +1,7 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, Property, Quantity, Related,
+    Category, Compared, Interval, Measure, Order, Phrase, Pick, Place, Property, Quantity, Related,
     RelationKind, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Elevation, PairWord, Sector};
@@ -148,6 +148,10 @@ impl Reader<'_> {
         }
         if self.takes("not") {
             return Ok(Condition::Not(Box::new(self.condition()?)));
+        }
+        if self.takes("phrase") {
+            let words = self.quoted().ok_or_else(|| self.wanted("quoted words"))?;
+            return Ok(Condition::Phrase(Phrase { words, span: None }));
         }
         if self.takes("is") {
             return Ok(Condition::Is(Box::new(self.pattern()?)));

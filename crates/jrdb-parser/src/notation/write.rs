@@ -154,6 +154,10 @@ fn condition(text: &mut String, condition: &Condition) {
         }
         Condition::Related(related) => self::related(text, related),
         Condition::Compared(compared) => self::compared(text, compared),
+        Condition::Phrase(phrase) => {
+            text.push_str("phrase ");
+            quoted(text, &phrase.words);
+        }
         Condition::Is(things) => {
             text.push_str("is ");
             pattern(text, things);

@@ -1,7 +1,7 @@
 //! People and objects in a panorama, by Florence-2 on wrapped tiles.
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detections, FrameId, Image, PixelBox};
+use jrdb_types::{Detections, FrameId, Image, PixelBox, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 use super::decoded_box::{DecodedBox, decoded_boxes};
@@ -98,6 +98,11 @@ impl Detector for FlorenceDetector {
             let found = self.look(image, tile.region(image))?;
             Ok(found.iter().filter_map(|one| candidate(one, tile)).collect())
         })
+    }
+
+    /// It names what it finds in its own words.
+    fn categories(&self) -> Vocabulary<String> {
+        Vocabulary::OPEN
     }
 
     fn config(&self) -> serde_json::Value {

@@ -1,7 +1,7 @@
 //! People and objects in a panorama, by phrases on each tile.
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detections, FrameId, Image, PixelBox};
+use jrdb_types::{Detections, FrameId, Image, PixelBox, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 use super::model::{Grounded, GroundingConfig, GroundingDino};
@@ -88,6 +88,10 @@ impl Detector for GroundingDetector {
         let name = |phrase: usize| self.config.phrases.get(phrase).map(|words| category(words));
         let look = |tile| self.look_at_tile(image, tile, &self.ids, &name);
         self.config.tiles.detect(image, frame, look)
+    }
+
+    fn categories(&self) -> Vocabulary<String> {
+        self.config.phrases.iter().map(|words| category(words)).collect()
     }
 
     fn config(&self) -> serde_json::Value {

@@ -4,7 +4,7 @@ use std::fmt;
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::vocab::Color;
-use jrdb_types::{Attributes, Belief, Detection, Image, PixelBox};
+use jrdb_types::{Attribute, Attributes, Belief, Detection, Image, PixelBox};
 use serde::{Deserialize, Serialize};
 
 use super::color::colors;
@@ -180,6 +180,15 @@ impl AttributeModel for Appearance {
             self.read(&mut attributes, &picture, &face)?;
         }
         Ok(attributes)
+    }
+
+    fn attributes(&self) -> Vec<Attribute> {
+        let faces = &self.faces;
+        let has_faces = faces.finder.is_some();
+        let gender = faces.gender.as_ref().filter(|_| has_faces).map(|_| Attribute::Gender);
+        let age = faces.age.as_ref().filter(|_| has_faces).map(|_| Attribute::Age);
+        let always = [Attribute::Action, Attribute::UpperColor, Attribute::LowerColor];
+        always.into_iter().chain(gender).chain(age).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detection, Detections, FrameId, Image};
+use jrdb_types::{Detection, Detections, FrameId, Image, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 use crate::detector::{Detector, PerceptionError};
@@ -81,6 +81,12 @@ impl<A: Detector, B: Detector> Detector for PairDetector<A, B> {
         Ok(found)
     }
 
+    fn categories(&self) -> Vocabulary<String> {
+        let mut all = self.first.categories();
+        all.unite(self.second.categories());
+        all
+    }
+
     fn config(&self) -> serde_json::Value {
         serde_json::json!({
             "detector": "pair",
@@ -147,7 +153,11 @@ mod tests {
                 numbered(category, vec![ScoredBox { bbox, score }]).remove(0)
             };
             let detections = self.0.iter().map(seen).collect();
-            Ok(Detections { frame: frame.clone(), image, detections, issues: Vec::new() })
+            Ok(Detections::new(frame.clone(), image, detections))
+        }
+
+        fn categories(&self) -> Vocabulary<String> {
+            self.0.iter().map(|(category, ..)| (*category).into()).collect()
         }
 
         fn config(&self) -> serde_json::Value {

@@ -1,7 +1,7 @@
 //! Questions about a person, and the accepted answers.
 
 use jrdb_types::vocab::{Action, Age, Facing, Gender, Race};
-use jrdb_types::{Attributes, Belief};
+use jrdb_types::{Attribute, Attributes, Belief};
 use serde::{Deserialize, Serialize};
 
 /// An attribute that a question asks for.
@@ -23,6 +23,18 @@ pub enum Topic {
 impl Topic {
     /// All topics, in the order of the questions.
     pub const ALL: [Self; 5] = [Self::Gender, Self::Age, Self::Race, Self::Action, Self::Facing];
+
+    /// The attribute that is asked for; facing is not one.
+    #[must_use]
+    pub fn attribute(self) -> Option<Attribute> {
+        match self {
+            Self::Gender => Some(Attribute::Gender),
+            Self::Age => Some(Attribute::Age),
+            Self::Race => Some(Attribute::Race),
+            Self::Action => Some(Attribute::Action),
+            Self::Facing => None,
+        }
+    }
 
     /// Whether the attribute describes the identity of a person rather than an action. Such
     /// questions are asked only on request.

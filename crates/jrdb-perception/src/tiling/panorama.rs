@@ -90,6 +90,6 @@ impl PanoramaConfig {
         }
         let kept = merge(&candidates, &tiles, geometry, &self.merge);
         let frame = frame.clone();
-        Ok(Detections { frame, image: geometry, detections: numbered(kept), issues: Vec::new() })
+        Ok(Detections::new(frame, geometry, numbered(kept)))
     }
 }

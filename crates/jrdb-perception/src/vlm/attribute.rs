@@ -1,6 +1,6 @@
 //! A person's attributes by asking a vision-language model about a crop.
 
-use jrdb_types::{Attributes, Detection, Image};
+use jrdb_types::{Attribute, Attributes, Detection, Image};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
@@ -158,5 +158,9 @@ impl AttributeModel for VlmAttributes {
             Some(picture) => self.look(&picture),
             None => Ok(Attributes::default()),
         }
+    }
+
+    fn attributes(&self) -> Vec<Attribute> {
+        self.config.topics.iter().filter_map(|topic| topic.attribute()).collect()
     }
 }

@@ -78,6 +78,7 @@ pub(crate) fn detections(count: usize) -> Detections {
         frame: FrameId { sequence: "sweep".into(), frame: 0 },
         image: LensModel::Cylindrical(PANORAMA).image(),
         detections: (1..).zip(boxes(count)).map(detection).collect(),
+        capabilities: None,
         issues: Vec::new(),
     }
 }

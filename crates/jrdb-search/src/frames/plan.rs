@@ -8,6 +8,7 @@ use jrdb_types::{Condition, Pattern, Query};
 
 use crate::SearchConfig;
 use crate::evaluation::Evaluated;
+use crate::status::Meant;
 
 /// One slot, made ready.
 pub(super) struct Plan {
@@ -28,6 +29,8 @@ pub(super) struct Moment<'q> {
     pub(super) evaluated: Evaluated<'q>,
     /// What matches, the pick included.
     pub(super) holds: BitSet,
+    /// What matches for sure, what may match, and whether there may be more.
+    pub(super) meant: Meant,
 }
 
 /// The slots of a question; the whole recording where it has none.

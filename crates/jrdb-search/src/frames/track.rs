@@ -10,6 +10,7 @@ use super::plan::{Moment, Plan};
 use crate::config::SlotOrder;
 use crate::place;
 use crate::searcher::Searcher;
+use crate::value::Truth;
 
 /// What a track came to.
 pub(super) struct Track<'g> {
@@ -19,6 +20,8 @@ pub(super) struct Track<'g> {
     pub(super) slots: Vec<InSlot>,
     /// Whether every slot is matched, in order where that is demanded.
     pub(super) matches: bool,
+    /// The same, where it is known.
+    pub(super) truth: Truth,
     pub(super) probability: f64,
     pub(super) ranking: f64,
     pub(super) uncertain: bool,
@@ -39,6 +42,8 @@ struct SeenAt {
     frame: usize,
     number: usize,
     holds: bool,
+    /// The same, where it is known.
+    truth: Truth,
     probabilities: [f64; 2],
     uncertain: bool,
 }
@@ -87,6 +92,7 @@ pub(super) fn of<'g>(
                     frame: moment.frame,
                     number,
                     holds: moment.holds.contains(number),
+                    truth: moment.meant.truth(number),
                     probabilities: [verdict.probability, verdict.ranking],
                     uncertain: verdict.uncertain,
                 });
@@ -103,6 +109,7 @@ fn track<'g>(
     mut slots: Vec<InSlot>,
 ) -> Option<Track<'g>> {
     let order = searchers.first()?.config.order;
+    let truth = truth(&slots, plans, order);
     for (slot, plan) in slots.iter_mut().zip(plans) {
         let matched = slot.matched();
         slot.matches = matched > 0 && (!plan.lasts || 2 * matched > slot.seen.len());
@@ -115,7 +122,27 @@ fn track<'g>(
         [0, 1].map(|which| probability(&slots, plans, order, searchers.len(), which));
     let uncertain = slots.iter().flat_map(|slot| &slot.seen).any(|seen| seen.uncertain);
     let (bbox, score) = (node.bbox, node.score);
-    Some(Track { id, bbox, score, slots, matches, probability, ranking, uncertain })
+    Some(Track { id, bbox, score, slots, matches, truth, probability, ranking, uncertain })
+}
+
+/// Whether a track matches for sure, or may match if all that is unknown of it were so.
+fn truth(slots: &[InSlot], plans: &[Plan], order: SlotOrder) -> Truth {
+    let matches = |least: Truth| {
+        let counts = |seen: &&SeenAt| seen.truth >= least;
+        let mut from = 0;
+        slots.iter().zip(plans).all(|(slot, plan)| {
+            let matched = slot.seen.iter().filter(counts).count();
+            let in_turn = slot.seen.iter().filter(|seen| counts(seen) && seen.frame >= from);
+            let first = in_turn.map(|seen| seen.frame).min();
+            from = first.map_or(from, |frame| frame + 1);
+            let is_in_turn = order == SlotOrder::Independent || first.is_some();
+            is_in_turn && matched > 0 && (!plan.lasts || 2 * matched > slot.seen.len())
+        })
+    };
+    match [Truth::Yes, Truth::Unknown].map(matches) {
+        [true, _] => Truth::Yes,
+        [false, may] => Truth::of(may).min(Truth::Unknown),
+    }
 }
 
 /// Gives every slot the earliest moment after the one before; whether there is one for each.

@@ -57,7 +57,9 @@ impl Reach {
                 parts.max().unwrap_or(Self::Nothing)
             }
             Condition::GroupSize(_) => Self::Everything,
-            Condition::Attribute(_) | Condition::FromRobot(_) => Self::Nothing,
+            Condition::Attribute(_) | Condition::FromRobot(_) | Condition::Phrase(_) => {
+                Self::Nothing
+            }
         }
     }
 

@@ -60,6 +60,7 @@ impl<'g> Scratch<'g> {
             nodes: original.nodes.clone(),
             edges,
             between: original.between.clone(),
+            capabilities: original.capabilities.clone(),
             issues: Vec::new(),
         };
         Self { original, copy, changed_nodes, changed_edges, changed_between }

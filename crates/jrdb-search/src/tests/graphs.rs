@@ -72,6 +72,7 @@ pub(crate) fn graph(nodes: Vec<Node>, edges: Vec<Edge>) -> SceneGraph {
         nodes,
         edges,
         between: Vec::new(),
+        capabilities: Some(Capabilities::open()),
         issues: Vec::new(),
     }
 }

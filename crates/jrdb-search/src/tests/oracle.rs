@@ -1,9 +1,10 @@
 //! The algebra a second time, to doubt the search with: three-valued, by plain recursion over nodes and edges, no index, no sets, nothing
 //! kept. Written from what the types and the README say; shares no code with the search.
 
+mod picks;
 mod relations;
 
-use jrdb_types::query::{Category, Compared, Measure, Order, Pick, Place};
+use jrdb_types::query::{Category, Compared, Measure, Order, Place};
 use jrdb_types::vocab::{Elevation, MatchPolicy, Sector};
 use jrdb_types::*;
 use proptest::prelude::*;
@@ -150,36 +151,24 @@ impl<'g> World<'g> {
 
     /// Who matches a pattern, its pick included.
     fn matches(&self, pattern: &Pattern) -> Vec<Truth> {
-        let held: Vec<Truth> = (0..self.things.len())
-            .map(|thing| {
-                let kind = Some(self.is_kind(thing, &pattern.category));
-                let conditions = pattern.conditions.iter().map(|c| self.condition(thing, c));
-                if kind == Some(true) { all(conditions) } else { kind }
-            })
-            .collect();
+        let held = self.unpicked(pattern);
         match &pattern.pick {
+            Some(pick) if self.config.world == crate::World::Open => {
+                self.surely_picked(&held, pick)
+            }
             Some(pick) => self.picked(held, pick),
             None => held,
         }
     }
 
-    /// Of those that match only the picked ones still do.
-    fn picked(&self, mut held: Vec<Truth>, pick: &Pick) -> Vec<Truth> {
-        let matching = (0..held.len()).filter(|thing| held[*thing] == Some(true));
-        let mut order: Vec<(f64, usize)> = matching
-            .filter_map(|thing| Some((self.measure(thing, &pick.measure)?, thing)))
-            .collect();
-        let sign = if pick.order == Order::Least { 1.0 } else { -1.0 };
-        order.sort_by(|a, b| (sign * a.0).total_cmp(&(sign * b.0)).then(a.1.cmp(&b.1)));
-        let first = pick.rank.max(1) as usize - 1;
-        let taken: Vec<usize> =
-            order.iter().skip(first).take(pick.count as usize).map(|(_, thing)| *thing).collect();
-        for (thing, held) in held.iter_mut().enumerate() {
-            if *held == Some(true) {
-                *held = Some(taken.contains(&thing));
-            }
-        }
-        held
+    fn unpicked(&self, pattern: &Pattern) -> Vec<Truth> {
+        (0..self.things.len())
+            .map(|thing| {
+                let kind = Some(self.is_kind(thing, &pattern.category));
+                let conditions = pattern.conditions.iter().map(|c| self.condition(thing, c));
+                if kind == Some(true) { all(conditions) } else { kind }
+            })
+            .collect()
     }
 
     fn condition(&self, thing: usize, condition: &Condition) -> Truth {
@@ -190,6 +179,7 @@ impl<'g> World<'g> {
             Condition::GroupSize(quantity) => Some(quantity.holds(self.group_size(thing)?)),
             Condition::Related(related) => self.related(thing, related),
             Condition::Compared(compared) => self.compared(thing, compared),
+            Condition::Phrase(_) => None,
             Condition::Is(pattern) => self.matches(pattern)[thing],
             Condition::Not(inner) => not(self.condition(thing, inner)),
             Condition::Any(parts) => any(parts.iter().map(|part| self.condition(thing, part))),
@@ -273,7 +263,13 @@ impl<'g> World<'g> {
             Measure::DistanceTo(pattern) => {
                 let held = self.matches(pattern);
                 let those = self.others(thing).filter(|other| held[*other] == Some(true));
-                those.filter_map(|other| self.apart(thing, other)).min_by(f64::total_cmp)
+                let nearest =
+                    those.filter_map(|other| self.apart(thing, other)).min_by(f64::total_cmp)?;
+                let is_open = self.config.world == crate::World::Open
+                    && self.others(thing).filter(|other| held[*other].is_none()).any(|other| {
+                        self.apart(thing, other).is_none_or(|metres| metres < nearest)
+                    });
+                (!is_open).then_some(nearest)
             }
         }
     }
@@ -297,7 +293,17 @@ impl<'g> World<'g> {
             Order::Least => mine < *theirs,
             Order::Most => mine > *theirs,
         };
-        (!values.is_empty()).then(|| values.iter().all(beaten))
+        let holds = (!values.is_empty()).then(|| values.iter().all(beaten))?;
+        let loses_to_unknown = self.others(thing).any(|other| {
+            let theirs = self.measure(other, &compared.measure);
+            match than[other] {
+                Some(true) => theirs.is_none(),
+                Some(false) => false,
+                None => theirs.is_none_or(|theirs| !beaten(&theirs)),
+            }
+        });
+        let is_open = self.config.world == crate::World::Open && holds && loses_to_unknown;
+        (!is_open).then_some(holds)
     }
 
     /// The answer under the strict policy.
@@ -318,8 +324,13 @@ impl<'g> World<'g> {
 }
 
 fn agrees(scene: &SceneGraph, query: &Query) -> Result<(), TestCaseError> {
-    let wanted = World::new(scene).answer(query);
-    let config = under(MatchPolicy::Strict);
+    agrees_in(scene, query, crate::World::Open)?;
+    agrees_in(scene, query, crate::World::Closed)
+}
+
+fn agrees_in(scene: &SceneGraph, query: &Query, world: crate::World) -> Result<(), TestCaseError> {
+    let config = SearchConfig { world, ..under(MatchPolicy::Strict) };
+    let wanted = World { config, ..World::new(scene) }.answer(query);
     let index = jrdb_graph::GraphIndex::new(scene);
     let numbers = select(&index, query, &config);
     let by_sets: Vec<EntityId> = numbers.iter().filter_map(|n| index.id(n)).cloned().collect();

@@ -1,6 +1,6 @@
 //! What is said of an answer: replies, reasons, and what would change it.
 
-use jrdb_types::answer::{Effect, Reply, Unit};
+use jrdb_types::answer::{Count, Effect, Reply, Unit};
 use jrdb_types::query::{Category, Compared, Measure, Order, Place, Property, Viewpoint};
 use jrdb_types::vocab::{MatchPolicy, Sector};
 use jrdb_types::*;
@@ -76,13 +76,13 @@ fn yes_and_no_are_about_numbers() {
     let reply = |task| {
         search(&scene(), &Query { task, ..ask(women.clone()) }, &SearchConfig::default()).reply
     };
-    assert_eq!(reply(Task::Exists(Quantity::at_least(2))), Reply::YesNo(true));
-    assert_eq!(reply(Task::Exists(Quantity::exactly(1))), Reply::YesNo(false));
+    assert_eq!(reply(Task::Exists(Quantity::at_least(2))), Reply::YesNo(Some(true)));
+    assert_eq!(reply(Task::Exists(Quantity::exactly(1))), Reply::YesNo(Some(false)));
     let men = Pattern { conditions: vec![Condition::has(Gender::Male)], ..Pattern::default() };
     let than = |order| Task::CompareCounts { order, than: Box::new(men.clone()) };
-    assert_eq!(reply(than(Order::Most)), Reply::YesNo(true));
-    assert_eq!(reply(than(Order::Least)), Reply::YesNo(false));
-    assert_eq!(reply(Task::Count), Reply::Number(2));
+    assert_eq!(reply(than(Order::Most)), Reply::YesNo(Some(true)));
+    assert_eq!(reply(than(Order::Least)), Reply::YesNo(Some(false)));
+    assert_eq!(reply(Task::Count), Reply::Number(Count::Exact(2)));
 }
 
 #[test]

@@ -158,6 +158,9 @@ pub struct Check {
     pub finding: Option<Finding>,
     /// Whether it holds.
     pub holds: bool,
+    /// Whether it is unknown whether it holds; then `holds` is false.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub unknown: bool,
     /// Probability that it holds, in `[0, 1]`.
     pub probability: f64,
     /// The number behind it, where there is one.

@@ -1,6 +1,6 @@
 //! Why something is not in an answer, read from its trace.
 
-use super::{Answer, CandidateTrace, Check};
+use super::{Answer, Check};
 use crate::id::EntityId;
 
 /// Why a thing is not in an answer.
@@ -59,14 +59,6 @@ impl Answer {
     pub fn probability(&self, id: &EntityId) -> Option<f64> {
         let ranked = self.ranking.iter().find(|ranked| ranked.id == *id);
         ranked.map(|ranked| ranked.probability)
-    }
-
-    /// Whether everything selected lacks something that was asked: the answer is what comes nearest, not what was asked for.
-    #[must_use]
-    pub fn is_nearest_only(&self) -> bool {
-        let lacks = |trace: &CandidateTrace| trace.checks.iter().any(|check| !check.holds);
-        let mut selected = self.trace.iter().filter(|trace| trace.selected).peekable();
-        selected.peek().is_some() && selected.all(lacks)
     }
 }
 

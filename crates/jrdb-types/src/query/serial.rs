@@ -9,8 +9,8 @@ use super::{Condition, Property};
 use crate::attribute::{Attribute, ValueOf, unknown};
 
 /// Names of the conditions that are no attributes.
-const CONDITIONS: [&str; 8] =
-    ["from_robot", "group_size", "related", "compared", "is", "not", "any", "all"];
+const CONDITIONS: [&str; 9] =
+    ["from_robot", "group_size", "related", "compared", "phrase", "is", "not", "any", "all"];
 
 impl<'de> Deserialize<'de> for Condition {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -37,6 +37,7 @@ impl<'de> Visitor<'de> for ConditionVisitor {
             "group_size" => content.newtype_variant().map(Condition::GroupSize),
             "related" => content.newtype_variant().map(Condition::Related),
             "compared" => content.newtype_variant().map(Condition::Compared),
+            "phrase" => content.newtype_variant().map(Condition::Phrase),
             "is" => content.newtype_variant().map(Condition::Is),
             "not" => content.newtype_variant().map(Condition::Not),
             "any" => content.newtype_variant().map(Condition::Any),

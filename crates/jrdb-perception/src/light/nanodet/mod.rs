@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use jrdb_types::{Detections, FrameId, Image, PixelBox};
+use jrdb_types::{Detections, FrameId, Image, PixelBox, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 mod classes;
@@ -152,7 +152,11 @@ impl Detector for NanoDet {
         let mut detections: Vec<_> = (0..CLASSES).flat_map(of_class).collect();
         detections.sort_by(|a, b| a.id.cmp(&b.id));
         let (frame, image) = (frame.clone(), tiling.geometry(image));
-        Ok(Detections { frame, image, detections, issues: Vec::new() })
+        Ok(Detections::new(frame, image, detections))
+    }
+
+    fn categories(&self) -> Vocabulary<String> {
+        COCO_CLASSES.iter().map(|&class| class.into()).collect()
     }
 
     fn config(&self) -> serde_json::Value {

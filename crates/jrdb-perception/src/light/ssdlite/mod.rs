@@ -4,7 +4,7 @@
 use std::fmt;
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Detections, FrameId, Image};
+use jrdb_types::{Detections, FrameId, Image, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 mod anchors;
@@ -138,7 +138,11 @@ impl Detector for SsdLite {
         let found = tiling.detect(image, SIDE, |picture, size| self.look(picture, size))?;
         let people = found.into_iter().map(|found| found.scored).collect();
         let (frame, image) = (frame.clone(), tiling.geometry(image));
-        Ok(Detections { frame, image, detections: numbered(PERSON, people), issues: Vec::new() })
+        Ok(Detections::new(frame, image, numbered(PERSON, people)))
+    }
+
+    fn categories(&self) -> Vocabulary<String> {
+        std::iter::once(PERSON.into()).collect()
     }
 
     fn config(&self) -> serde_json::Value {
