@@ -67,9 +67,42 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
-/// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12.
+/// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12, or that behind the name of a camera or
+/// a sequence, `frame000012.jpg`, `cafe_0_000012.jpg` → 12.
 pub(crate) fn frame_number(name: &str) -> Option<u32> {
-    number(Path::new(name).file_stem()?.to_str()?)
+    stem_number(Path::new(name).file_stem()?.to_str()?)
+}
+
+/// The frame number that a name without its ending stands for.
+pub(crate) fn stem_number(stem: &str) -> Option<u32> {
+    number(stem).or_else(|| {
+        let prefix = stem.trim_end_matches(|c: char| c.is_ascii_digit());
+        let digits = &stem[prefix.len()..];
+        let is_name = prefix.ends_with(['_', '-']) || prefix.chars().all(char::is_alphabetic);
+        let is_number = digits.len() >= MIN_DIGITS && is_name && !prefix.contains('.');
+        is_number.then(|| number(digits)).flatten()
+    })
+}
+
+/// Fewest digits of a number behind a name: with fewer it may be a part of the name, as in `camera_2`.
+const MIN_DIGITS: usize = 4;
+
+/// A file's ending in small letters; empty where it has none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase()
+}
+
+/// The file of this name in a folder, in whatever case its name is written; the name as it is when there is none.
+pub(crate) fn named(folder: &Path, name: &str) -> PathBuf {
+    let usual = folder.join(name);
+    if usual.is_file() {
+        return usual;
+    }
+    let is_it = |path: &PathBuf| {
+        let found = path.file_name().and_then(|found| found.to_str());
+        found.is_some_and(|found| found.eq_ignore_ascii_case(name)) && path.is_file()
+    };
+    list(folder).ok().and_then(|files| files.into_iter().find(is_it)).unwrap_or(usual)
 }
 
 /// The number that digits, and nothing but digits, stand for.
@@ -86,6 +119,11 @@ mod tests {
         assert_eq!(frame_number("000012.jpg"), Some(12));
         assert_eq!(frame_number("image_stitched/cafe_0/000000.pcd"), Some(0));
         assert_eq!(frame_number("7"), Some(7));
+        assert_eq!(frame_number("frame000012.png"), Some(12));
+        assert_eq!(frame_number("cafe_0_000012.png"), Some(12));
+        for odd in ["camera_2.jpg", "1550012345.123456789.jpg", "000012_jpg.rf.ab0012.jpg"] {
+            assert_eq!(frame_number(odd), None, "{odd}");
+        }
         for odd in ["", "+1.jpg", "cover.jpg", "99999999999.jpg", "..", "12a.png"] {
             assert_eq!(frame_number(odd), None, "{odd}");
         }

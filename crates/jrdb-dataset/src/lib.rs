@@ -11,8 +11,10 @@ mod error;
 mod file;
 mod image_error;
 mod labels;
+mod names;
 mod number;
 mod questions;
+mod sweeps;
 mod tree;
 mod writer;
 

@@ -5,19 +5,19 @@ use std::path::{Path, PathBuf};
 
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig, with_causes};
 
-use crate::cloud::{Fields, Reader};
+use crate::cloud::{CloudColumns, Reader};
 use crate::image::ImageHeader;
 use crate::labels::{self, SequenceLabels};
-use crate::{Error, OfficialCalibration, file, image, rig};
+use crate::names::{
+    CLOUD_EXTENSIONS, IMAGE_EXTENSIONS, absent_sweep, find, near, numbered, stem, unnumbered,
+};
+use crate::{Error, OfficialCalibration, file, image, rig, sweeps};
 
 /// Folders of a tree, below its root.
 pub(crate) const IMAGES: &str = "images/image_stitched";
 pub(crate) const CLOUDS: &str = "pointclouds";
 pub(crate) const CALIBRATION: &str = "calibration";
 pub(crate) const LABELS: &str = "labels";
-
-const IMAGE_EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];
-const CLOUD_EXTENSIONS: [&str; 5] = ["pcd", "bin", "npy", "ply", "pcd.bin"];
 
 /// A rig in our own form, of which there may be one in the calibration folder.
 const RIG_FILES: [&str; 3] = ["rig.json", "rig.yaml", "rig.yml"];
@@ -28,6 +28,8 @@ const RIG_FILES: [&str; 3] = ["rig.json", "rig.yaml", "rig.yml"];
 #[derive(Debug, Clone)]
 pub struct Dataset {
     root: PathBuf,
+    /// The columns of clouds without a header, where somebody stated them.
+    columns: Option<CloudColumns>,
 }
 
 impl Dataset {
@@ -37,11 +39,17 @@ impl Dataset {
     /// [`Error::Absent`] when there are neither stitched images nor labels.
     pub fn open(root: &Path) -> Result<Self, Error> {
         if [IMAGES, LABELS].iter().any(|folder| root.join(folder).is_dir()) {
-            Ok(Self { root: root.into() })
+            Ok(Self { root: root.into(), columns: None })
         } else {
             let expected = format!("{IMAGES} or {LABELS}");
             Err(Error::Absent { expected, path: root.into() })
         }
+    }
+
+    /// The same tree, whose `.bin` and `.pcd.bin` clouds have these columns.
+    #[must_use]
+    pub fn with_cloud_columns(self, columns: CloudColumns) -> Self {
+        Self { columns: Some(columns), ..self }
     }
 
     /// The root folder.
@@ -78,8 +86,8 @@ impl Dataset {
     /// Numbers of the frames of a sequence that have a stitched image or a cloud of any LiDAR, sorted.
     ///
     /// # Errors
-    /// [`Error::Absent`] when the sequence has no folder of either, [`Error::Read`] when one cannot be
-    /// listed.
+    /// [`Error::Content`] when the sequence has no folder of either, with the sequences of names alike, or when no file of it
+    /// is named by a number; [`Error::Read`] when a folder cannot be listed.
     pub fn frames(&self, sequence: &str) -> Result<Vec<u32>, Error> {
         let images = self.images(sequence);
         let sensors = file::list(&self.root.join(CLOUDS))?;
@@ -89,14 +97,33 @@ impl Dataset {
             .filter(|path| path.is_dir())
             .collect();
         if !images.is_dir() && clouds.is_empty() {
-            let expected = format!("images or clouds of sequence {sequence:?}");
-            return Err(Error::Absent { expected, path: self.root.clone() });
+            return Err(self.no_sequence(sequence));
         }
         let mut frames = BTreeSet::from_iter(numbered(&images, &IMAGE_EXTENSIONS)?);
-        for folder in clouds {
-            frames.extend(numbered(&folder, &CLOUD_EXTENSIONS)?);
+        for folder in &clouds {
+            frames.extend(numbered(folder, &CLOUD_EXTENSIONS)?);
         }
-        Ok(frames.into_iter().collect())
+        let folders = std::iter::once((&images, &IMAGE_EXTENSIONS[..]))
+            .chain(clouds.iter().map(|folder| (folder, &CLOUD_EXTENSIONS[..])));
+        match folders.filter_map(|(folder, e)| Some((folder, unnumbered(folder, e)?))).next() {
+            Some((folder, name)) if frames.is_empty() => {
+                let expected = "files named by the numbers of their frames, such as 000012.png or \
+                                000012.pcd, equal for all sensors";
+                Err(Error::content(folder, expected, format!("{name:?}")))
+            }
+            _ => Ok(frames.into_iter().collect()),
+        }
+    }
+
+    fn no_sequence(&self, sequence: &str) -> Error {
+        let expected = format!("images or clouds of sequence {sequence:?}");
+        let known = self.sequences().unwrap_or_default();
+        if known.is_empty() {
+            return Error::Absent { expected, path: self.root.clone() };
+        }
+        let found = near(sequence, &known).into_iter().map(|name| format!("{name:?}"));
+        let found = format!("the sequences {}", found.collect::<Vec<_>>().join(", "));
+        Error::content(&self.root, expected, found)
     }
 
     /// The rig: from `calibration/rig.json`, `rig.yaml` or `rig.yml` where one is there
@@ -107,12 +134,15 @@ impl Dataset {
     /// rig files.
     pub fn rig(&self) -> Result<Rig, Error> {
         let folder = self.root.join(CALIBRATION);
-        let found: Vec<&str> =
-            RIG_FILES.into_iter().filter(|name| folder.join(name).is_file()).collect();
-        match found[..] {
+        let paths = RIG_FILES.into_iter().map(|name| file::named(&folder, name));
+        let found: Vec<PathBuf> = paths.filter(|path| path.is_file()).collect();
+        match &found[..] {
             [] => Ok(OfficialCalibration::read(&folder)?.rig()),
-            [name] => rig::read(&folder.join(name)),
-            _ => Err(Error::content(&folder, "one rig file", found.join(" and "))),
+            [path] => rig::read(path),
+            _ => {
+                let names: Vec<String> = found.iter().filter_map(|p| name(p.file_name())).collect();
+                Err(Error::content(&folder, "one rig file", names.join(" and ")))
+            }
         }
     }
 
@@ -161,26 +191,21 @@ impl Dataset {
         frame: u32,
         lidars: &[Lidar],
     ) -> (Vec<PointCloud>, Vec<Issue>) {
-        let (mut clouds, mut issues, mut reader) = (Vec::new(), Vec::new(), Reader::default());
+        let (mut clouds, mut issues) = (Vec::new(), Vec::new());
+        let mut reader = self.columns.clone().map_or_else(Reader::default, Reader::with_columns);
+        let place =
+            |path: &Path| path.strip_prefix(&self.root).unwrap_or(path).display().to_string();
         for lidar in lidars {
             let folder = self.sweeps(&lidar.name, sequence);
-            let file = find(&folder, frame, &CLOUD_EXTENSIONS)
-                .unwrap_or_else(|| folder.join(format!("{frame:06}.pcd")));
-            let place = file.strip_prefix(&self.root).unwrap_or(&file).display();
-            match cloud(&mut reader, &file, &lidar.name) {
-                Ok(cloud) => {
-                    if cloud.skipped > 0 {
-                        let points = cloud.skipped;
-                        let message = format!("{place}: {points} points without a finite position");
-                        issues.push(Issue::new(IssueKind::SkippedPoints, message));
-                    }
-                    clouds.push(cloud);
-                }
-                Err(message) => {
-                    let message = format!("{place}: {message}");
-                    issues.push(Issue::new(IssueKind::MissingInput, message));
-                }
-            }
+            let Some(path) = find(&folder, frame, &CLOUD_EXTENSIONS) else {
+                let (path, why) = absent_sweep(&folder, frame);
+                let message = format!("{}: {why}", place(&path));
+                issues.push(Issue::new(IssueKind::MissingInput, message));
+                continue;
+            };
+            let (cloud, more) = sweeps::read(&mut reader, &path, &lidar.name, &place(&path));
+            clouds.extend(cloud);
+            issues.extend(more);
         }
         (clouds, issues)
     }
@@ -204,45 +229,6 @@ impl Dataset {
     }
 }
 
-/// One sweep, or why there is none, without host paths.
-fn cloud(reader: &mut Reader, path: &Path, sensor: &str) -> Result<PointCloud, String> {
-    if !path.is_file() {
-        return Err("no such file".into());
-    }
-    match reader.read(path, sensor, Fields::Positions) {
-        Ok(cloud) => Ok(cloud),
-        Err(Error::Cloud { source, .. }) => Err(with_causes(&source)),
-        Err(Error::Read { source, .. }) => Err(source.to_string()),
-        Err(error) => Err(with_causes(&error)),
-    }
-}
-
 fn name(part: Option<&std::ffi::OsStr>) -> Option<String> {
     part?.to_str().map(String::from)
-}
-
-/// The name before its extension, which may have a dot of its own, if it is one of these.
-fn stem<'a>(path: &'a Path, extensions: &[&str]) -> Option<&'a str> {
-    let name = path.file_name()?.to_str()?;
-    let stem = |extension: &&str| name.strip_suffix(extension)?.strip_suffix('.');
-    extensions.iter().filter_map(stem).min_by_key(|stem| stem.len())
-}
-
-fn frame_of(path: &Path, extensions: &[&str]) -> Option<u32> {
-    file::number(stem(path, extensions)?)
-}
-
-/// The frame numbers of a folder's files of a kind.
-fn numbered(folder: &Path, extensions: &[&str]) -> Result<Vec<u32>, Error> {
-    let files = file::list(folder)?;
-    Ok(files.iter().filter_map(|path| frame_of(path, extensions)).collect())
-}
-
-/// A frame's file: six digits as in JRDB, else any file whose integer stem is the frame's number.
-fn find(folder: &Path, frame: u32, extensions: &[&str]) -> Option<PathBuf> {
-    let usual = extensions.iter().map(|extension| folder.join(format!("{frame:06}.{extension}")));
-    usual.into_iter().find(|path| path.is_file()).or_else(|| {
-        let mut files = file::list(folder).ok()?.into_iter();
-        files.find(|path| frame_of(path, extensions) == Some(frame))
-    })
 }

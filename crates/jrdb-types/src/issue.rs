@@ -12,6 +12,8 @@ use crate::id::EntityId;
 pub enum IssueKind {
     /// A file of the frame is absent or unreadable; what depends on it is absent too.
     MissingInput,
+    /// A file of the frame is odd but was used; the message says what is odd and how it was taken.
+    DoubtfulInput,
     /// An object of a label file could not be used.
     BadLabel,
     /// A model could not describe a person: its attributes are unknown.

@@ -47,9 +47,9 @@ use crate::{Error, file};
 /// with the place of the first thing that is wrong, as `data.cameras[0].lens.fx`.
 pub fn read(path: &Path) -> Result<Rig, Error> {
     const EXPECTED: &str = "a jrdb.rig artefact";
-    let value: Value = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("json") => file::read_json(path, EXPECTED)?,
-        Some("yaml" | "yml") => file::read_yaml(path, EXPECTED)?,
+    let value: Value = match file::extension(path).as_str() {
+        "json" => file::read_json(path, EXPECTED)?,
+        "yaml" | "yml" => file::read_yaml(path, EXPECTED)?,
         _ => {
             let name = path.file_name().unwrap_or_default();
             return Err(Error::content(path, "a .json, .yaml or .yml file", format!("{name:?}")));
