@@ -19,8 +19,33 @@ pub(crate) fn read_into(path: &Path, bytes: &mut Vec<u8>) -> Result<(), Error> {
     read.map(|_| ()).map_err(|source| Error::Read { path: path.into(), source })
 }
 
+/// A file's text: UTF-8 or UTF-16, with a byte order mark or without.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
-    fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })
+    decoded(read(path)?).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+fn decoded(mut bytes: Vec<u8>) -> std::io::Result<String> {
+    let invalid = |what: String| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
+    // Every text here starts with a sign of ASCII: UTF-16 has a zero beside it.
+    let from_pair: Option<fn([u8; 2]) -> u16> = match bytes[..] {
+        [0xff, 0xfe, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => Some(u16::from_be_bytes),
+        [first, 0, ..] if first != 0 => Some(u16::from_le_bytes),
+        [0, second, ..] if second != 0 => Some(u16::from_be_bytes),
+        _ => None,
+    };
+    if let Some(from_pair) = from_pair {
+        let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| from_pair(*pair)).collect();
+        let text = String::from_utf16(&units).map_err(|_| invalid("expected UTF-16".into()))?;
+        return Ok(text.trim_start_matches('\u{feff}').into());
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        invalid(format!("expected UTF-8 or UTF-16 text, found another encoding from byte {at} on"))
+    })
 }
 
 pub(crate) fn read_yaml<T: DeserializeOwned>(
@@ -31,17 +56,6 @@ pub(crate) fn read_yaml<T: DeserializeOwned>(
         expected,
         path: path.into(),
         source: Box::new(source),
-    })
-}
-
-pub(crate) fn read_json<T: DeserializeOwned>(
-    path: &Path,
-    expected: &'static str,
-) -> Result<T, Error> {
-    serde_json::from_str(&read_text(path)?).map_err(|source| Error::Json {
-        expected,
-        path: path.into(),
-        source,
     })
 }
 
@@ -113,6 +127,28 @@ pub(crate) fn number(stem: &str) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn texts_of_windows_are_decoded() {
+        let text = "{\"é\": 1}";
+        let wide = |bytes: fn(u16) -> [u8; 2], text: &str| -> Vec<u8> {
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        let marked = format!("\u{feff}{text}");
+        for bytes in [
+            text.as_bytes().to_vec(),
+            marked.as_bytes().to_vec(),
+            wide(u16::to_le_bytes, &marked),
+            wide(u16::to_be_bytes, &marked),
+            wide(u16::to_le_bytes, text),
+            wide(u16::to_be_bytes, text),
+        ] {
+            assert_eq!(decoded(bytes).unwrap(), text);
+        }
+        let error = decoded(b"caf\xe9".to_vec()).unwrap_err().to_string();
+        assert_eq!(error, "expected UTF-8 or UTF-16 text, found another encoding from byte 3 on");
+        assert_eq!(decoded(Vec::new()).unwrap(), "");
+    }
 
     #[test]
     fn frame_numbers_are_integer_stems() {

@@ -51,7 +51,8 @@ pub(crate) fn unnumbered(folder: &Path, extensions: &[&str]) -> Option<String> {
 pub(crate) fn find(folder: &Path, frame: u32, extensions: &[&str]) -> Option<PathBuf> {
     let usual = extensions.iter().map(|extension| folder.join(format!("{frame:06}.{extension}")));
     usual.into_iter().find(|path| path.is_file()).or_else(|| {
-        let files = file::list(folder).ok()?;
+        let mut files = file::list(folder).ok()?;
+        files.retain(|path| path.is_file()); // a pipe would never end
         let is_bare =
             |path: &&PathBuf| stem(path, extensions).and_then(file::number) == Some(frame);
         let is_it = |path: &&PathBuf| frame_of(path, extensions) == Some(frame);
@@ -61,7 +62,8 @@ pub(crate) fn find(folder: &Path, frame: u32, extensions: &[&str]) -> Option<Pat
 
 /// The name that a frame's absent sweep should have, with the ending of its neighbours, and what is there instead.
 pub(crate) fn absent_sweep(folder: &Path, frame: u32) -> (PathBuf, String) {
-    let files = file::list(folder).unwrap_or_default();
+    let mut files = file::list(folder).unwrap_or_default();
+    files.retain(|path| path.is_file());
     let known: Vec<&PathBuf> =
         files.iter().filter(|path| stem(path, &CLOUD_EXTENSIONS).is_some()).collect();
     let distance = |path: &&&PathBuf| {

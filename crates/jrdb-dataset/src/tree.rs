@@ -137,7 +137,11 @@ impl Dataset {
         let paths = RIG_FILES.into_iter().map(|name| file::named(&folder, name));
         let found: Vec<PathBuf> = paths.filter(|path| path.is_file()).collect();
         match &found[..] {
-            [] => Ok(OfficialCalibration::read(&folder)?.rig()),
+            [] => {
+                let rig = OfficialCalibration::read(&folder)?.rig();
+                rig::check(&rig, &folder)?;
+                Ok(rig)
+            }
             [path] => rig::read(path),
             _ => {
                 let names: Vec<String> = found.iter().filter_map(|p| name(p.file_name())).collect();
@@ -208,6 +212,16 @@ impl Dataset {
             issues.extend(more);
         }
         (clouds, issues)
+    }
+
+    /// How many sweeps of a sequence each folder of a LiDAR has, sorted by the folders' names.
+    pub(crate) fn sweep_counts(&self, sequence: &str) -> Vec<(String, usize)> {
+        let folders = file::list(&self.root.join(CLOUDS)).unwrap_or_default();
+        let count = |folder: &PathBuf| {
+            let numbers = numbered(&folder.join(sequence), &CLOUD_EXTENSIONS).ok()?;
+            Some((name(folder.file_name())?, numbers.len()))
+        };
+        folders.iter().filter_map(count).collect()
     }
 
     /// The labels of a sequence, from whichever of `labels_2d_stitched`, `labels_3d` and

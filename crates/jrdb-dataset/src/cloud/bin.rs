@@ -61,7 +61,7 @@ pub(super) fn fill(
             let note = |columns| {
                 format!(
                     "read as {layout}, but its numbers look like {columns} floats a point; state the \
-                     columns (--cloud-columns)"
+                     columns"
                 )
             };
             Ok(match doubt {
@@ -100,7 +100,7 @@ fn other_layout(named: BinLayout, scalar: Scalar, columns: usize) -> String {
     let kind = if scalar == Scalar::F64 { "8-byte" } else { "4-byte" };
     format!(
         "read as {columns} {kind} floats a point (x y z ..), as its numbers show, not as {named}; \
-         --cloud-columns states the layout"
+         state the columns to read it otherwise"
     )
 }
 

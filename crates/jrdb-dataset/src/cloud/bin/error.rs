@@ -29,7 +29,7 @@ pub enum BinError {
     /// The numbers are not those of points.
     #[error(
         "expected {expected} as 4-byte floats, found {percent} % of numbers that no LiDAR gives; if the \
-         file has other columns, state them (--cloud-columns x,y,z,intensity:u8)"
+         file has other columns, state them"
     )]
     NotFloats {
         /// Layout that was asked for.
