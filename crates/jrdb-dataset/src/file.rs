@@ -119,9 +119,14 @@ pub(crate) fn named(folder: &Path, name: &str) -> PathBuf {
     list(folder).ok().and_then(|files| files.into_iter().find(is_it)).unwrap_or(usual)
 }
 
-/// The number that digits, and nothing but digits, stand for.
+/// Most digits of a frame's number: with more, digits are a time.
+const MAX_DIGITS: usize = 9;
+
+/// The frame number that digits, and nothing but digits, stand for.
 pub(crate) fn number(stem: &str) -> Option<u32> {
-    stem.bytes().all(|b| b.is_ascii_digit()).then(|| stem.parse().ok())?
+    let is_time = stem.trim_start_matches('0').len() > MAX_DIGITS;
+    let are_digits = stem.bytes().all(|b| b.is_ascii_digit());
+    (are_digits && !is_time).then(|| stem.parse().ok())?
 }
 
 #[cfg(test)]
@@ -157,7 +162,12 @@ mod tests {
         assert_eq!(frame_number("7"), Some(7));
         assert_eq!(frame_number("frame000012.png"), Some(12));
         assert_eq!(frame_number("cafe_0_000012.png"), Some(12));
-        for odd in ["camera_2.jpg", "1550012345.123456789.jpg", "000012_jpg.rf.ab0012.jpg"] {
+        for odd in [
+            "camera_2.jpg",
+            "1550012345.123456789.jpg",
+            "1550012345.jpg",
+            "000012_jpg.rf.ab0012.jpg",
+        ] {
             assert_eq!(frame_number(odd), None, "{odd}");
         }
         for odd in ["", "+1.jpg", "cover.jpg", "99999999999.jpg", "..", "12a.png"] {

@@ -17,6 +17,7 @@ mod names;
 mod number;
 mod questions;
 mod sweeps;
+mod times;
 mod tree;
 mod writer;
 

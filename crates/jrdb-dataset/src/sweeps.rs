@@ -35,7 +35,11 @@ pub(crate) fn read(
         let message = format!("{} points without a finite position", cloud.skipped);
         issues.push(issue(IssueKind::SkippedPoints, &message));
     }
-    leave_out_no_returns(&mut cloud);
+    let far = leave_out(&mut cloud);
+    if far > 0 {
+        let message = format!("{far} points beyond {MAX_PLACE_M} m, left out");
+        issues.push(issue(IssueKind::SkippedPoints, &message));
+    }
     (Some(cloud), issues)
 }
 
@@ -48,16 +52,22 @@ fn without_path(error: Error) -> String {
     }
 }
 
-/// Takes out the points at the sensor itself: what drivers write where no light came back.
-fn leave_out_no_returns(cloud: &mut PointCloud) {
-    let is_return = |cloud: &PointCloud, i: usize| {
-        let place = [cloud.x[i], cloud.y[i], cloud.z[i]];
-        place.iter().any(|number| *number != 0.0)
-    };
-    let Some(first) = (0..cloud.len()).find(|&i| !is_return(cloud, i)) else { return };
-    let mut kept = first;
+/// Largest coordinate that can be a place, metres.
+const MAX_PLACE_M: f32 = 100_000.0;
+
+/// Takes out the points at the sensor itself, which drivers write where no light came back, and those that are nowhere; how many
+/// the latter are.
+fn leave_out(cloud: &mut PointCloud) -> usize {
+    let place = |cloud: &PointCloud, i: usize| [cloud.x[i], cloud.y[i], cloud.z[i]];
+    let is_far = |place: [f32; 3]| place.iter().any(|number| number.abs() > MAX_PLACE_M);
+    let is_odd = |place: [f32; 3]| place.iter().all(|number| *number == 0.0) || is_far(place);
+    let first = (0..cloud.len()).find(|&i| is_odd(place(cloud, i)));
+    let Some(first) = first else { return 0 };
+    let (mut kept, mut far) = (first, 0);
     for i in first..cloud.len() {
-        if is_return(cloud, i) {
+        let place = place(cloud, i);
+        far += usize::from(is_far(place));
+        if !is_odd(place) {
             for column in [&mut cloud.x, &mut cloud.y, &mut cloud.z, &mut cloud.intensity] {
                 if let Some(&number) = column.get(i) {
                     column[kept] = number;
@@ -70,6 +80,7 @@ fn leave_out_no_returns(cloud: &mut PointCloud) {
         column.truncate(kept);
         column.shrink_to_fit(); // a sweep of little but no returns may be large
     }
+    far
 }
 
 #[cfg(test)]
@@ -79,13 +90,13 @@ mod tests {
     #[test]
     fn points_at_the_sensor_are_left_out() {
         let mut cloud = PointCloud {
-            x: vec![1.0, 0.0, 0.0, 2.0, 0.0],
-            y: vec![0.0, 0.0, 3.0, 2.0, 0.0],
-            z: vec![0.0; 5],
-            intensity: vec![1.0, 2.0, 3.0, 4.0, 5.0],
+            x: vec![1.0, 0.0, 0.0, 2.0, 0.0, 1e20],
+            y: vec![0.0, 0.0, 3.0, 2.0, 0.0, 0.0],
+            z: vec![0.0; 6],
+            intensity: vec![1.0, 2.0, 3.0, 4.0, 5.0, 6.0],
             ..PointCloud::default()
         };
-        leave_out_no_returns(&mut cloud);
+        assert_eq!(leave_out(&mut cloud), 1);
         assert_eq!((cloud.x, cloud.y), (vec![1.0, 0.0, 2.0], vec![0.0, 3.0, 2.0]));
         assert_eq!(cloud.intensity, [1.0, 3.0, 4.0]);
     }

@@ -11,6 +11,7 @@ use crate::labels::{self, SequenceLabels};
 use crate::names::{
     CLOUD_EXTENSIONS, IMAGE_EXTENSIONS, absent_sweep, find, near, numbered, stem, unnumbered,
 };
+use crate::times::Timeline;
 use crate::{Error, OfficialCalibration, file, image, rig, sweeps};
 
 /// Folders of a tree, below its root.
@@ -85,6 +86,9 @@ impl Dataset {
 
     /// Numbers of the frames of a sequence that have a stitched image or a cloud of any LiDAR, sorted.
     ///
+    /// Where all files are named by times, the pictures are numbered in the order of time, and the sweep of a frame is the one
+    /// nearest in time.
+    ///
     /// # Errors
     /// [`Error::Content`] when the sequence has no folder of either, with the sequences of names alike, or when no file of it
     /// is named by a number; [`Error::Read`] when a folder cannot be listed.
@@ -103,16 +107,51 @@ impl Dataset {
         for folder in &clouds {
             frames.extend(numbered(folder, &CLOUD_EXTENSIONS)?);
         }
+        if !frames.is_empty() {
+            return Ok(frames.into_iter().collect());
+        }
+        if let Some(timeline) = self.timeline(sequence) {
+            return Ok((0..timeline.len() as u32).collect());
+        }
         let folders = std::iter::once((&images, &IMAGE_EXTENSIONS[..]))
             .chain(clouds.iter().map(|folder| (folder, &CLOUD_EXTENSIONS[..])));
-        match folders.filter_map(|(folder, e)| Some((folder, unnumbered(folder, e)?))).next() {
-            Some((folder, name)) if frames.is_empty() => {
-                let expected = "files named by the numbers of their frames, such as 000012.png or \
-                                000012.pcd, equal for all sensors";
-                Err(Error::content(folder, expected, format!("{name:?}")))
-            }
-            _ => Ok(frames.into_iter().collect()),
+        let odd = folders.filter_map(|(folder, e)| Some((folder, unnumbered(folder, e)?))).next();
+        odd.map_or(Ok(Vec::new()), |(folder, name)| {
+            let expected = "files named by the numbers of their frames, such as 000012.png or \
+                            000012.pcd, equal for all sensors, or all by times";
+            Err(Error::content(folder, expected, format!("{name:?}")))
+        })
+    }
+
+    /// The pictures of a sequence in the order of time, where all are named by times; without pictures, the sweeps of the
+    /// first LiDAR.
+    fn timeline(&self, sequence: &str) -> Option<Timeline> {
+        let pictures = Timeline::of(&self.images(sequence), &IMAGE_EXTENSIONS);
+        pictures.or_else(|| {
+            let sensors = file::list(&self.root.join(CLOUDS)).ok()?;
+            let has_pictures = unnumbered(&self.images(sequence), &IMAGE_EXTENSIONS).is_some();
+            let mut folders = sensors.iter().filter(|_| !has_pictures);
+            folders.find_map(|sensor| Timeline::of(&sensor.join(sequence), &CLOUD_EXTENSIONS))
+        })
+    }
+
+    /// A LiDAR's sweep nearest in time to a frame of a sequence whose files are named by times, or why there is none.
+    fn sweep_by_time(
+        &self,
+        folder: &Path,
+        sequence: &str,
+        frame: u32,
+    ) -> Option<Result<PathBuf, String>> {
+        let timeline = self.timeline(sequence)?;
+        let (time_ns, picture) = timeline.get(frame)?;
+        let sweeps = Timeline::of(folder, &CLOUD_EXTENSIONS)?;
+        let (apart_ns, path) = sweeps.nearest(time_ns)?;
+        if apart_ns <= timeline.max_apart_ns() {
+            return Some(Ok(path.into()));
         }
+        let [picture, path] = [picture, path].map(|path| path.file_name().unwrap_or_default());
+        let seconds = apart_ns as f64 * 1e-9;
+        Some(Err(format!("no sweep near {picture:?} in time; {path:?} is {seconds:.3} s apart")))
     }
 
     fn no_sequence(&self, sequence: &str) -> Error {
@@ -176,9 +215,13 @@ impl Dataset {
 
     fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
-        find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {
+        let by_time = || {
+            let timeline = Timeline::of(&folder, &IMAGE_EXTENSIONS)?;
+            timeline.get(frame).map(|(_, path)| path.to_path_buf())
+        };
+        find(&folder, frame, &IMAGE_EXTENSIONS).or_else(by_time).ok_or_else(|| Error::Absent {
             expected: format!("{frame:06}.{}", IMAGE_EXTENSIONS.join(", .")),
-            path: folder,
+            path: folder.clone(),
         })
     }
 
@@ -201,11 +244,21 @@ impl Dataset {
             |path: &Path| path.strip_prefix(&self.root).unwrap_or(path).display().to_string();
         for lidar in lidars {
             let folder = self.sweeps(&lidar.name, sequence);
-            let Some(path) = find(&folder, frame, &CLOUD_EXTENSIONS) else {
-                let (path, why) = absent_sweep(&folder, frame);
-                let message = format!("{}: {why}", place(&path));
-                issues.push(Issue::new(IssueKind::MissingInput, message));
-                continue;
+            let numbered = find(&folder, frame, &CLOUD_EXTENSIONS).map(Ok);
+            let by_time = || self.sweep_by_time(&folder, sequence, frame);
+            let missing = |(path, why): (PathBuf, String)| {
+                Issue::new(IssueKind::MissingInput, format!("{}: {why}", place(&path)))
+            };
+            let path = match numbered.or_else(by_time) {
+                Some(Ok(path)) => path,
+                Some(Err(why)) => {
+                    issues.push(missing((folder, why)));
+                    continue;
+                }
+                None => {
+                    issues.push(missing(absent_sweep(&folder, frame)));
+                    continue;
+                }
             };
             let (cloud, more) = sweeps::read(&mut reader, &path, &lidar.name, &place(&path));
             clouds.extend(cloud);

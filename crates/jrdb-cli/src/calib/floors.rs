@@ -34,7 +34,9 @@ pub fn floor_lines(sweeps: &[BaseSweep]) -> Vec<String> {
         };
         lines.extend(found.differences.iter().filter(is_apart).map(|difference| {
             let FloorDifference { first, second, .. } = difference;
-            format!("floors of {first} and {second} lie apart: at least one of their mounts is wrong")
+            format!(
+                "floors of {first} and {second} lie apart: at least one of their mounts is wrong"
+            )
         }));
     }
     lines

@@ -3,7 +3,9 @@
 use std::f64::consts::PI;
 
 use jrdb_calibration::{Doubt, Finding, FitConfig, FitReport, LidarFit, check_fit};
-use jrdb_projection::nalgebra::{Isometry3, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use jrdb_projection::nalgebra::{
+    Isometry3, Matrix3, Quaternion, Rotation3, UnitQuaternion, Vector3,
+};
 use jrdb_types::{Rig, Rotation};
 use serde::Serialize;
 
@@ -33,9 +35,22 @@ pub struct GrossError {
 
 /// A mount as it would be without one error.
 struct Hypothesis {
-    error: String,
+    error: What,
     mount: Isometry3<f64>,
 }
+
+/// An error of a mount.
+enum What {
+    /// One that has a name; without it the mount is right.
+    Named(&'static str),
+    /// A turn by about so many degrees.
+    TurnedDeg(f64),
+}
+
+/// How far a mount may be off without an error that has a name, degrees and metres: more than the check's tolerances, as the rest
+/// may have errors of its own.
+const MAX_REST_DEG: f64 = 2.0;
+const MAX_REST_M: f64 = 0.15;
 
 /// Names the gross error of every LiDAR of which the check cannot tell anything: the one whose repair makes the cloud of the
 /// first frame fit best. None where no repair does.
@@ -48,7 +63,9 @@ pub fn gross_errors(
     report: &FitReport,
     config: &FitConfig,
 ) -> Result<Vec<GrossError>, Error> {
-    let (Some(frame), Some(mounts)) = (frames.first(), mounts.first()) else { return Ok(Vec::new()) };
+    let (Some(frame), Some(mounts)) = (frames.first(), mounts.first()) else {
+        return Ok(Vec::new());
+    };
     let unknown = report.lidars.iter().filter(|fit| is_lost(fit));
     let named = unknown.filter_map(|fit| mounts.get(&fit.sensor).map(|mount| (&fit.sensor, mount)));
     let mut found = Vec::new();
@@ -56,9 +73,10 @@ pub fn gross_errors(
         let mut best: Option<GrossError> = None;
         for hypothesis in hypotheses(sensor, mount, frame.robot.rig()) {
             let tried = Mounts::from([(sensor.clone(), hypothesis.mount)]);
-            let check = |views: &[_]| check_fit(views, config);
-            let report = with_views(std::slice::from_ref(frame), &[tried], check)?;
-            let fits = report.lidars.first().and_then(|fit| explained(sensor, hypothesis.error, fit));
+            let one = std::slice::from_ref(frame);
+            let report = with_views(one, &[tried], |views| check_fit(views, config))?;
+            let fits =
+                report.lidars.first().and_then(|fit| explained(sensor, &hypothesis.error, fit));
             let strength = |one: &GrossError| one.yaw_significance + one.height_significance;
             if let Some(fits) = fits
                 && best.as_ref().is_none_or(|best| strength(&fits) > strength(best))
@@ -79,14 +97,22 @@ fn is_lost(fit: &LidarFit) -> bool {
     lost(fit.yaw) || lost(fit.height)
 }
 
-fn explained(sensor: &str, error: String, fit: &LidarFit) -> Option<GrossError> {
+fn explained(sensor: &str, error: &What, fit: &LidarFit) -> Option<GrossError> {
     let (yaw, height) = (&fit.yaw_rad, &fit.height_m);
+    let rest_deg = yaw.offset.to_degrees();
     let is_sure = yaw.significance >= MIN_YAW_SIGNIFICANCE
         && height.significance >= MIN_HEIGHT_SIGNIFICANCE
         && !is_lost(fit);
-    is_sure.then(|| GrossError {
+    let is_rest_small = rest_deg.abs() < MAX_REST_DEG && height.offset.abs() < MAX_REST_M;
+    let words = match error {
+        What::Named(words) => is_rest_small.then(|| (*words).to_string()),
+        What::TurnedDeg(degrees) => {
+            Some(format!("the mount is turned by about {:+.0}°", degrees + rest_deg))
+        }
+    };
+    Some(GrossError {
         sensor: sensor.into(),
-        error,
+        error: words.filter(|_| is_sure)?,
         yaw_significance: yaw.significance,
         height_significance: height.significance,
     })
@@ -98,31 +124,47 @@ fn hypotheses(sensor: &str, mount: &Isometry3<f64>, rig: &Rig) -> Vec<Hypothesis
     let of = |rotation: UnitQuaternion<f64>, translation: Vector3<f64>| {
         Isometry3::from_parts(translation.into(), rotation)
     };
-    let hypothesis = |error: &str, mount| Hypothesis { error: error.into(), mount };
+    let hypothesis = |error, mount| Hypothesis { error: What::Named(error), mount };
     let turned = |axis: Vector3<f64>, rad: f64| UnitQuaternion::from_scaled_axis(axis * rad);
     let upside_down = turned(Vector3::x(), PI);
     let mut all = vec![
-        hypothesis("the transform is inverted: it takes points of the base to the LiDAR", mount.inverse()),
+        hypothesis(
+            "the transform is inverted: it takes points of the base to the LiDAR",
+            mount.inverse(),
+        ),
         hypothesis("the rotation is transposed", of(r.inverse(), t)),
         hypothesis("the translation has the opposite sign", of(r, -t)),
-        hypothesis("rotation and sign of the translation are those of the inverse", of(r.inverse(), -t)),
+        hypothesis(
+            "rotation and sign of the translation are those of the inverse",
+            of(r.inverse(), -t),
+        ),
         hypothesis("the LiDAR is mounted upside down", of(r * upside_down, t)),
         hypothesis("the translation is in millimetres", of(r, t / 1000.0)),
         hypothesis("the translation is in centimetres", of(r, t / 100.0)),
-        hypothesis("the axes are those of a camera (x right, y down, z forward)", of(r * optical(), t)),
-        hypothesis("the rotation lacks the turn from a camera's axes to the robot's", of(optical() * r, t)),
+        hypothesis(
+            "the axes are those of a camera (x right, y down, z forward)",
+            of(r * optical(), t),
+        ),
+        hypothesis(
+            "the rotation lacks the turn from a camera's axes to the robot's",
+            of(optical() * r, t),
+        ),
         hypothesis(
             "the rotation has the turn from a camera's axes to the robot's once too often",
             of(optical().inverse() * r, t),
         ),
     ];
-    all.extend(as_written(sensor, rig).into_iter().map(|(error, rotation)| hypothesis(error, of(rotation, t))));
+    all.extend(
+        as_written(sensor, rig)
+            .into_iter()
+            .map(|(error, rotation)| hypothesis(error, of(rotation, t))),
+    );
     let steps = (360.0 / YAW_STEP_DEG) as i32;
     all.extend((1..steps).map(|step| {
         let degrees = YAW_STEP_DEG * f64::from(step);
         let degrees = if degrees > 180.0 { degrees - 360.0 } else { degrees };
         let rotation = turned(Vector3::z(), -degrees.to_radians()) * r;
-        Hypothesis { error: format!("the mount is turned by about {degrees:+.0}°"), mount: of(rotation, t) }
+        Hypothesis { error: What::TurnedDeg(degrees), mount: of(rotation, t) }
     }));
     all.retain(|one| (one.mount.to_matrix() - mount.to_matrix()).norm() > 1e-6);
     all
@@ -168,7 +210,8 @@ mod tests {
         );
         let all = hypotheses("top", &mount, &rig);
         assert!(all.iter().all(|one| (one.mount.to_matrix() - mount.to_matrix()).norm() > 1e-6));
-        let degrees = all.iter().find(|one| one.error.contains("degrees")).unwrap();
+        let is_it = |one: &&Hypothesis| matches!(one.error, What::Named(error) if error.contains("degrees"));
+        let degrees = all.iter().find(is_it).unwrap();
         assert!((degrees.mount.rotation.euler_angles().2 - 2_f64.to_radians()).abs() < 1e-12);
     }
 }

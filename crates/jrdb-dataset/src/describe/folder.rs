@@ -26,7 +26,10 @@ pub(super) fn describe(path: &Path) -> Result<Description, Error> {
     let is_kitti =
         |folder: &Path| folder.join("velodyne").is_dir() || folder.join("calib").is_dir();
     if is_kitti(path) || entries.iter().any(|entry| is_kitti(entry)) {
-        let description = Description::new(Kind::KittiFolder, "a folder of KITTI");
+        let mut description = Description::new(Kind::KittiFolder, "a folder of KITTI");
+        for root in std::iter::once(path).chain(entries.iter().map(AsRef::as_ref)) {
+            description.contains.extend(counts(root)?);
+        }
         return Ok(description.lacks("KITTI's folders are not read as they are: put pictures and sweeps into a tree of JRDB's form"));
     }
     let mut endings: BTreeMap<String, usize> = BTreeMap::new();
@@ -40,6 +43,15 @@ pub(super) fn describe(path: &Path) -> Result<Description, Error> {
         .contains
         .extend(endings.iter().map(|(ending, count)| format!("{count} files .{ending}")));
     Ok(description.lacks("images/image_stitched or labels, which a tree of JRDB's form has"))
+}
+
+/// How many files each folder of KITTI's below another holds.
+fn counts(root: &Path) -> Result<Vec<String>, Error> {
+    const FOLDERS: [&str; 5] = ["calib", "velodyne", "image_2", "image_3", "label_2"];
+    let found = FOLDERS.iter().filter(|name| root.join(name).is_dir());
+    found
+        .map(|name| Ok(format!("{name}: {}", plural(file::list(&root.join(name))?.len(), "file"))))
+        .collect()
 }
 
 fn plural(count: usize, word: &str) -> String {

@@ -23,9 +23,8 @@ const MIN_BOXES: usize = 5;
 const OVER_PX: f64 = 2.0;
 /// Largest number of boxes that are parts of the picture.
 const MAX_PART: f64 = 1.5;
-/// Part of the boxes that must reach below the picture to doubt the usual reading, and to be sure.
+/// Part of the boxes that must be too large for the picture to doubt the usual reading.
 const DOUBTFUL: f64 = 0.3;
-const SURE: f64 = 0.6;
 
 impl Convention {
     /// What all boxes of a file are.
@@ -40,21 +39,23 @@ impl Convention {
             return Self::Parts;
         }
         let (width, height) = (f64::from(image.width_px), f64::from(image.height_px));
-        let over = |[x, y, w, h]: &[f64; 4]| {
-            y + h > height + OVER_PX || (!image.wraps && x + w > width + OVER_PX)
+        // Around a panorama a box may go on, but nobody fills half of it.
+        let is_wide = |x: f64, w: f64| {
+            if image.wraps { w > width / 2.0 } else { x + w > width + OVER_PX }
         };
+        let over = |[x, y, w, h]: &[f64; 4]| y + h > height + OVER_PX || is_wide(*x, *w);
         let part = boxes.iter().filter(|b| over(b)).count() as f64 / boxes.len() as f64;
         let are_corners = all(&|[x0, y0, x1, y1]| {
             x1 > x0 && y1 > y0 && *y1 <= height + OVER_PX && (image.wraps || *x1 <= width + OVER_PX)
         });
         let are_centres =
             all(&|[_, y, _, h]| y - h / 2.0 >= -OVER_PX && y + h / 2.0 <= height + OVER_PX);
-        match () {
-            () if part < DOUBTFUL => Self::Usual,
-            () if are_corners && part >= SURE && boxes.len() >= MIN_BOXES => Self::Corners,
-            () if are_corners => Self::PerhapsCorners,
-            () if are_centres => Self::PerhapsCentres,
-            () => Self::Usual,
+        let (is_doubtful, are_many) = (part >= DOUBTFUL, boxes.len() >= MIN_BOXES);
+        match (are_corners, is_doubtful) {
+            (true, true) if are_many => Self::Corners,
+            (true, doubtful) if doubtful || are_many => Self::PerhapsCorners,
+            (_, true) if are_centres => Self::PerhapsCentres,
+            _ => Self::Usual,
         }
     }
 
@@ -68,8 +69,7 @@ impl Convention {
             ),
             Self::PerhapsCorners => (
                 IssueKind::DoubtfulInput,
-                "the boxes reach out of the picture as x y width height in pixels, which they were read as; \
-                 they may be corners (x1 y1 x2 y2)",
+                "the boxes were read as x y width height in pixels; they may be corners (x1 y1 x2 y2)",
             ),
             Self::PerhapsCentres => (
                 IssueKind::DoubtfulInput,

@@ -52,10 +52,15 @@ impl<T: Label> LabelFile<T> {
                     found
                 }
             };
+            let first = spans.first().map(|(key, _)| format!("{key:?}"));
             for (key, span) in spans {
                 if let Some(frame) = file::frame_number(&key) {
                     frames.entry(frame).or_default().insert(key, span);
                 }
+            }
+            if let (true, Some(key)) = (frames.is_empty(), first) {
+                let expected = "frames named by their numbers, such as 000012.jpg";
+                return Err(Error::content(path, expected, key));
             }
         }
         Ok(Self { path: path.into(), text, frames, labels: PhantomData })

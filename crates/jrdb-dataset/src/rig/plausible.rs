@@ -16,6 +16,10 @@ const MIN_FOCAL_PX: f64 = 10.0;
 /// Cosine of the largest tilt of a sensor that is mounted upright, and of the least of one that lies on its side.
 const UPRIGHT: f64 = 0.87;
 const LYING: f64 = 0.5;
+/// Quaternions of half a turn about z, which in the other order are hardly a turn at all: the largest real part, and the least last
+/// number.
+const TURNED_W: f64 = 0.1;
+const TURNED_Z: f64 = 0.9;
 
 /// Refuses numbers that can only be of another unit.
 ///
@@ -81,12 +85,16 @@ pub fn doubts(rig: &Rig) -> Vec<String> {
     let quaternions = rig.transforms.iter().enumerate().filter_map(|(index, transform)| {
         let Rotation::QuaternionWxyz(q) = transform.rotation else { return None };
         let up: fn(&Matrix) -> f64 = if is_camera(rig, &transform.child) { camera_up } else { lidar_up };
-        let place = format!("data.transforms[{index}] ({})", transform.child);
-        other_order(q, up).then(|| {
-            format!(
-                "{place}: quaternion_wxyz {q:?} puts the sensor on its side; read as x y z w it would stand upright"
-            )
-        })
+        let place = format!("data.transforms[{index}] ({}): quaternion_wxyz {q:?}", transform.child);
+        match q {
+            _ if other_order(q, up) => Some(format!(
+                "{place} puts the sensor on its side; read as x y z w it would stand upright"
+            )),
+            [w, .., z] if w.abs() < TURNED_W && z.abs() > TURNED_Z => Some(format!(
+                "{place} turns the sensor by about 180 degrees; if it does not look backwards, the order is x y z w"
+            )),
+            _ => None,
+        }
     });
     let axes = rig.cameras.iter().enumerate().filter_map(|(index, camera)| {
         let (key, found, side) = outside(&camera.lens)?;
@@ -191,6 +199,8 @@ mod tests {
         assert_eq!(doubts(&rig(&mount([half, 0.0, 0.0, half]), LENS)), Vec::<String>::new());
         let found = doubts(&rig(&mount([0.0, 0.0, half, half]), LENS));
         assert!(found[0].contains("top") && found[0].contains("x y z w"), "{found:?}");
+        let found = doubts(&rig(&mount([0.0, 0.0, 0.04, 0.999]), LENS));
+        assert!(found[0].contains("about 180 degrees"), "{found:?}");
         let found = doubts(&rig(MOUNT, &LENS.replace("640", "6400")));
         assert_eq!(
             found,

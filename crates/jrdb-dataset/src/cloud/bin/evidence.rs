@@ -100,14 +100,15 @@ impl Sample {
 
     /// Whether the words are halves of doubles: the lower halves are noise (or zeros), the upper ones all alike as floats.
     fn has_doubles(&self) -> bool {
-        const MIN_NOISE: f64 = 0.3;
+        const MIN_NOISE: f64 = 0.15;
         const MIN_ZEROS: f64 = 0.95;
+        const MAX_EMPTY: f64 = 0.7;
         const MIN_UPPER: f64 = 0.95;
         let noise = self.part_of_half(0, is_wild);
         let zeros = self.part_of_half(0, |word| word == 0);
         let upper = self.part_of_half(1, |word| word == 0 || is_upper_half(word));
         let empty = self.part_of_half(1, |word| word == 0);
-        upper > MIN_UPPER && (noise > MIN_NOISE || (zeros > MIN_ZEROS && empty < 1.0 - MIN_NOISE))
+        upper > MIN_UPPER && (noise > MIN_NOISE || (zeros > MIN_ZEROS && empty < MAX_EMPTY))
     }
 
     /// Mean entropy of sign and exponent given the place in a point of so many words, bits.
@@ -261,13 +262,17 @@ mod tests {
     #[test]
     fn doubles_are_known() {
         let mut points = points(COUNT);
-        for columns in 3..=5 {
-            let expected = Evidence::Other { scalar: Scalar::F64, columns };
-            assert_eq!(weigh(&doubles(&points, columns), 4), expected);
-        }
+        let check = |of_what: &str, points: &[[f64; 8]]| {
+            for columns in 3..=5 {
+                let expected = Evidence::Other { scalar: Scalar::F64, columns };
+                assert_eq!(weigh(&doubles(points, columns), 4), expected, "{of_what}");
+            }
+        };
+        check("doubles", &points);
         points.iter_mut().flatten().for_each(|n| *n = f64::from(*n as f32));
-        let expected = Evidence::Other { scalar: Scalar::F64, columns: 4 };
-        assert_eq!(weigh(&doubles(&points, 4), 4), expected, "of floats");
+        check("doubles of floats", &points);
+        points.iter_mut().for_each(|point| point[3] = point[3].round());
+        check("with whole intensities", &points);
     }
 
     #[test]
