@@ -8,8 +8,6 @@ use jrdb_types::issue::IssueKind;
 use jrdb_types::{FrameId, Issue};
 use serde::Serialize;
 
-use crate::result::{FrameOutput, RunSummary};
-
 /// A part of a frame that could not be used although it was there, or should have been.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 pub struct Fault {
@@ -35,7 +33,7 @@ pub struct FrameHealth {
 impl FrameHealth {
     /// The health of a frame that was answered.
     #[must_use]
-    pub fn of(FrameOutput { scene, .. }: &FrameOutput) -> Self {
+    pub fn of(scene: &Scene) -> Self {
         let mut degraded: Vec<Fault> = staged(scene)
             .filter(|(_, issue)| degrades(issue.kind))
             .map(|(stage, issue)| Fault { stage, kind: issue.kind, message: message(issue) })
@@ -77,6 +75,7 @@ fn degrades(kind: IssueKind) -> bool {
         kind,
         IssueKind::MissingInput
             | IssueKind::MissingLabels
+            | IssueKind::DoubtfulInput
             | IssueKind::BadLabel
             | IssueKind::BadBox
             | IssueKind::NotDescribed
@@ -152,8 +151,7 @@ impl Health {
 /// The exit code of a run: 1 when a frame failed, or, where that is asked for, was degraded; 3 when an answer is open and
 /// answers are required.
 #[must_use]
-pub fn exit_code(summary: &RunSummary, demands: Demands) -> u8 {
-    let health = &summary.health;
+pub fn exit_code(health: &Health, demands: Demands) -> u8 {
     if health.failed > 0 || (demands.strict && health.degraded > 0) {
         return 1;
     }
@@ -195,13 +193,13 @@ mod tests {
 
     #[test]
     fn failures_weigh_more_than_open_answers() {
-        let mut summary = RunSummary::default();
-        summary.health.add_answer(Status::Unknown);
+        let mut health = Health::default();
+        health.add_answer(Status::Unknown);
         let both = Demands { strict: true, require_answer: true };
-        assert_eq!(exit_code(&summary, Demands::default()), 0);
-        assert_eq!(exit_code(&summary, both), 3);
-        summary.health.degraded = 1;
-        assert_eq!(exit_code(&summary, both), 1);
-        assert_eq!(exit_code(&summary, Demands { require_answer: true, ..Demands::default() }), 3);
+        assert_eq!(exit_code(&health, Demands::default()), 0);
+        assert_eq!(exit_code(&health, both), 3);
+        health.degraded = 1;
+        assert_eq!(exit_code(&health, both), 1);
+        assert_eq!(exit_code(&health, Demands { require_answer: true, ..Demands::default() }), 3);
     }
 }

@@ -95,7 +95,7 @@ impl JsonReport {
     /// What a frame adds to the report.
     #[must_use]
     pub fn frame(&mut self, output: &FrameOutput, config: &PipelineConfig) -> String {
-        self.frames.push(FrameHealth::of(output));
+        self.frames.push(FrameHealth::of(&output.scene));
         output.answered.iter().map(|one| self.answer(&one.answer, config)).collect()
     }
 

@@ -294,7 +294,7 @@ impl<'r> Tally<'r> {
                     recording.push_graph_of(&output.scene);
                 }
                 output.answered.iter().for_each(|answered| self.keep(answered));
-                self.health.add(&FrameHealth::of(output));
+                self.health.add(&FrameHealth::of(&output.scene));
             }
             Err(error) => {
                 self.health.add_failed();

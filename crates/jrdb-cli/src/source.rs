@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use jrdb_dataset::Dataset;
+use jrdb_dataset::cloud::CloudColumns;
 use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::EngineOptions;
 use jrdb_models::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
 use jrdb_pipeline::{CameraImage, Frame, Robot};
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{FrameId, Image, Issue, PointCloud, Questions};
+use jrdb_types::{FrameId, Image, Issue, PointCloud, Questions, Rig};
 
 use crate::Error;
 
@@ -55,6 +56,8 @@ pub struct RobotOptions {
     pub rig: RigChoice,
     /// The camera that the images are from; the rig's first when absent.
     pub camera: Option<String>,
+    /// The columns of clouds without a header; what their names and numbers say when absent.
+    pub cloud_columns: Option<CloudColumns>,
 }
 
 /// Where a rig comes from.
@@ -105,6 +108,8 @@ pub struct FrameSource {
     pub robot: std::sync::Arc<Robot>,
     /// Which frame.
     pub id: FrameId,
+    /// What is odd about the rig.
+    pub doubts: std::sync::Arc<[Issue]>,
 }
 
 /// Lists the frames of all sources, in the order of the sources, then by sequence and number.
@@ -122,8 +127,13 @@ pub fn list_frames(
     let mut frames = Vec::new();
     let mut seen = BTreeSet::new();
     for source in sources {
-        let dataset = std::sync::Arc::new(Dataset::open(source.root())?);
+        let dataset = Dataset::open(source.root())?;
+        let dataset = std::sync::Arc::new(match &robot.cloud_columns {
+            Some(columns) => dataset.with_cloud_columns(columns.clone()),
+            None => dataset,
+        });
         let robot = std::sync::Arc::new(open_robot(&dataset, robot)?);
+        let doubts: std::sync::Arc<[Issue]> = rig_doubts(robot.rig()).into();
         let sequences = match source {
             Source::Scene(_) => dataset.sequences()?,
             Source::Sequence { name, .. } => vec![name.clone()],
@@ -137,7 +147,8 @@ pub fn list_frames(
             for frame in dataset.frames(&sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
-                    frames.push(FrameSource { dataset: dataset.clone(), robot: robot.clone(), id });
+                    let (dataset, robot) = (dataset.clone(), robot.clone());
+                    frames.push(FrameSource { dataset, robot, id, doubts: doubts.clone() });
                 }
             }
         }
@@ -149,6 +160,12 @@ pub fn list_frames(
     Ok(frames)
 }
 
+/// What is odd about a rig, as issues.
+fn rig_doubts(rig: &Rig) -> Vec<Issue> {
+    let doubts = jrdb_dataset::rig::doubts(rig).into_iter();
+    doubts.map(|doubt| Issue::new(IssueKind::DoubtfulInput, format!("rig: {doubt}"))).collect()
+}
+
 impl FrameSource {
     /// The frame with its sweeps; the image is decoded when something needs it.
     #[must_use]
@@ -157,6 +174,7 @@ impl FrameSource {
         let mut frame = self.image_only();
         frame.sweeps = sweeps;
         frame.issues = issues;
+        frame.issues.extend_from_slice(&self.doubts);
         frame
     }
 

@@ -37,7 +37,7 @@ fn sample() -> Option<PathBuf> {
 
 fn sample_frames(root: &Path) -> Vec<CalibFrame> {
     let source = Source::Sequence { root: root.into(), name: SEQUENCE.into() };
-    let refined = RobotOptions { rig: RigChoice::JrdbRefined, camera: None };
+    let refined = RobotOptions { rig: RigChoice::JrdbRefined, ..RobotOptions::default() };
     let frames = list_frames(&[source], Some(&(0..1)), &refined).unwrap();
     frames.iter().map(|frame| CalibFrame::read(frame).unwrap()).collect()
 }

@@ -2,8 +2,33 @@
 
 use jrdb_types::{EntityId, ImageGeometry, PixelBox};
 
-/// The prefixes and class names that mean a person.
-const PEOPLE: [&str; 2] = ["pedestrian", jrdb_types::detection::PERSON];
+/// Class names that mean a person, in small letters with blanks.
+const PEOPLE: [&str; 9] = [
+    "pedestrian",
+    "pedestrians",
+    jrdb_types::detection::PERSON,
+    "persons",
+    "people",
+    "human",
+    "humans",
+    "person sitting",
+    "type pedestrian",
+];
+
+/// What nuScenes' and other class names with parts start with when they mean a person.
+const PEOPLE_PARTS: [&str; 3] = ["human.pedestrian", "pedestrian.", "person."];
+
+/// Whether a class name means a person, in whatever case it is written.
+pub(crate) fn is_person(class: &str) -> bool {
+    let class = class.trim().to_lowercase().replace(['_', '-'], " ");
+    PEOPLE.contains(&class.as_str()) || PEOPLE_PARTS.iter().any(|part| class.starts_with(part))
+}
+
+/// The id with a person's class in small letters, as JRDB writes it.
+pub(crate) fn usual_id(id: EntityId) -> EntityId {
+    let class = if is_person(&id.class) { id.class.trim().to_lowercase() } else { id.class };
+    EntityId { class, ..id }
+}
 
 /// The box with `x` inside a wrapping image, or what is wrong with it.
 pub(crate) fn checked(bbox: PixelBox, image: ImageGeometry) -> Result<PixelBox, String> {
@@ -23,7 +48,7 @@ pub(crate) fn checked(bbox: PixelBox, image: ImageGeometry) -> Result<PixelBox, 
 
 /// The category of a class name: people have one name, everything else its own.
 pub(crate) fn category_of_class(class: &str) -> String {
-    let class = if PEOPLE.contains(&class) { jrdb_types::detection::PERSON } else { class };
+    let class = if is_person(class) { jrdb_types::detection::PERSON } else { class.trim() };
     class.into()
 }
 
@@ -54,5 +79,15 @@ mod tests {
     fn pedestrians_are_people() {
         assert_eq!(category(&EntityId::new("pedestrian", 1)), "person");
         assert_eq!(category(&EntityId::new("table", 1)), "table");
+        for class in
+            ["Person", "PEDESTRIAN", "people", "human ", "human.pedestrian.adult", "Person_sitting"]
+        {
+            assert_eq!(category_of_class(class), "person", "{class}");
+        }
+        for class in ["personal computer", "humanoid robot", "Dog"] {
+            assert_eq!(category_of_class(class), class);
+        }
+        let id = usual_id(EntityId::new("Pedestrian", 3));
+        assert_eq!(id, EntityId::new("pedestrian", 3));
     }
 }

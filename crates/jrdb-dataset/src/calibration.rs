@@ -69,14 +69,14 @@ impl OfficialCalibration {
     /// [`Error::Read`], [`Error::Yaml`], or [`Error::Content`] for missing sensors, wrong counts,
     /// numbers that are not finite, and LiDARs turned about x or y.
     pub fn read(folder: &Path) -> Result<Self, Error> {
-        let path = folder.join("cameras.yaml");
+        let path = file::named(folder, "cameras.yaml");
         let cameras: CamerasFile = file::read_yaml(&path, "camera calibrations with K")?;
         let focal_px = median(&cameras, FOCAL_Y, &path)?;
         let horizon_px = median(&cameras, CENTER_Y, &path)?;
         if focal_px <= 0.0 {
             return Err(Error::content(&path, "a positive median of K[1,1]", focal_px.to_string()));
         }
-        let path = folder.join("defaults.yaml");
+        let path = file::named(folder, "defaults.yaml");
         let defaults: DefaultsFile = file::read_yaml(&path, "lidar mounts and an image size")?;
         let ImageEntry { width: width_px, height: height_px } = defaults.image;
         if width_px == 0 || height_px == 0 {

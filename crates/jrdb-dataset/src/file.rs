@@ -19,8 +19,33 @@ pub(crate) fn read_into(path: &Path, bytes: &mut Vec<u8>) -> Result<(), Error> {
     read.map(|_| ()).map_err(|source| Error::Read { path: path.into(), source })
 }
 
+/// A file's text: UTF-8 or UTF-16, with a byte order mark or without.
 pub(crate) fn read_text(path: &Path) -> Result<String, Error> {
-    fs::read_to_string(path).map_err(|source| Error::Read { path: path.into(), source })
+    decoded(read(path)?).map_err(|source| Error::Read { path: path.into(), source })
+}
+
+fn decoded(mut bytes: Vec<u8>) -> std::io::Result<String> {
+    let invalid = |what: String| std::io::Error::new(std::io::ErrorKind::InvalidData, what);
+    // Every text here starts with a sign of ASCII: UTF-16 has a zero beside it.
+    let from_pair: Option<fn([u8; 2]) -> u16> = match bytes[..] {
+        [0xff, 0xfe, ..] => Some(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => Some(u16::from_be_bytes),
+        [first, 0, ..] if first != 0 => Some(u16::from_le_bytes),
+        [0, second, ..] if second != 0 => Some(u16::from_be_bytes),
+        _ => None,
+    };
+    if let Some(from_pair) = from_pair {
+        let units: Vec<u16> = bytes.as_chunks().0.iter().map(|pair| from_pair(*pair)).collect();
+        let text = String::from_utf16(&units).map_err(|_| invalid("expected UTF-16".into()))?;
+        return Ok(text.trim_start_matches('\u{feff}').into());
+    }
+    if bytes.starts_with(b"\xef\xbb\xbf") {
+        bytes.drain(..3);
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        invalid(format!("expected UTF-8 or UTF-16 text, found another encoding from byte {at} on"))
+    })
 }
 
 pub(crate) fn read_yaml<T: DeserializeOwned>(
@@ -31,17 +56,6 @@ pub(crate) fn read_yaml<T: DeserializeOwned>(
         expected,
         path: path.into(),
         source: Box::new(source),
-    })
-}
-
-pub(crate) fn read_json<T: DeserializeOwned>(
-    path: &Path,
-    expected: &'static str,
-) -> Result<T, Error> {
-    serde_json::from_str(&read_text(path)?).map_err(|source| Error::Json {
-        expected,
-        path: path.into(),
-        source,
     })
 }
 
@@ -67,14 +81,52 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(paths)
 }
 
-/// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12.
+/// The frame number of a file or frame key: its integer stem, `images/000012.jpg` → 12, or that behind the name of a camera or
+/// a sequence, `frame000012.jpg`, `cafe_0_000012.jpg` → 12.
 pub(crate) fn frame_number(name: &str) -> Option<u32> {
-    number(Path::new(name).file_stem()?.to_str()?)
+    stem_number(Path::new(name).file_stem()?.to_str()?)
 }
 
-/// The number that digits, and nothing but digits, stand for.
+/// The frame number that a name without its ending stands for.
+pub(crate) fn stem_number(stem: &str) -> Option<u32> {
+    number(stem).or_else(|| {
+        let prefix = stem.trim_end_matches(|c: char| c.is_ascii_digit());
+        let digits = &stem[prefix.len()..];
+        let is_name = prefix.ends_with(['_', '-']) || prefix.chars().all(char::is_alphabetic);
+        let is_number = digits.len() >= MIN_DIGITS && is_name && !prefix.contains('.');
+        is_number.then(|| number(digits)).flatten()
+    })
+}
+
+/// Fewest digits of a number behind a name: with fewer it may be a part of the name, as in `camera_2`.
+const MIN_DIGITS: usize = 4;
+
+/// A file's ending in small letters; empty where it has none.
+pub(crate) fn extension(path: &Path) -> String {
+    path.extension().and_then(|extension| extension.to_str()).unwrap_or_default().to_lowercase()
+}
+
+/// The file of this name in a folder, in whatever case its name is written; the name as it is when there is none.
+pub(crate) fn named(folder: &Path, name: &str) -> PathBuf {
+    let usual = folder.join(name);
+    if usual.is_file() {
+        return usual;
+    }
+    let is_it = |path: &PathBuf| {
+        let found = path.file_name().and_then(|found| found.to_str());
+        found.is_some_and(|found| found.eq_ignore_ascii_case(name)) && path.is_file()
+    };
+    list(folder).ok().and_then(|files| files.into_iter().find(is_it)).unwrap_or(usual)
+}
+
+/// Most digits of a frame's number: with more, digits are a time.
+const MAX_DIGITS: usize = 9;
+
+/// The frame number that digits, and nothing but digits, stand for.
 pub(crate) fn number(stem: &str) -> Option<u32> {
-    stem.bytes().all(|b| b.is_ascii_digit()).then(|| stem.parse().ok())?
+    let is_time = stem.trim_start_matches('0').len() > MAX_DIGITS;
+    let are_digits = stem.bytes().all(|b| b.is_ascii_digit());
+    (are_digits && !is_time).then(|| stem.parse().ok())?
 }
 
 #[cfg(test)]
@@ -82,10 +134,42 @@ mod tests {
     use super::*;
 
     #[test]
+    fn texts_of_windows_are_decoded() {
+        let text = "{\"é\": 1}";
+        let wide = |bytes: fn(u16) -> [u8; 2], text: &str| -> Vec<u8> {
+            text.encode_utf16().flat_map(bytes).collect()
+        };
+        let marked = format!("\u{feff}{text}");
+        for bytes in [
+            text.as_bytes().to_vec(),
+            marked.as_bytes().to_vec(),
+            wide(u16::to_le_bytes, &marked),
+            wide(u16::to_be_bytes, &marked),
+            wide(u16::to_le_bytes, text),
+            wide(u16::to_be_bytes, text),
+        ] {
+            assert_eq!(decoded(bytes).unwrap(), text);
+        }
+        let error = decoded(b"caf\xe9".to_vec()).unwrap_err().to_string();
+        assert_eq!(error, "expected UTF-8 or UTF-16 text, found another encoding from byte 3 on");
+        assert_eq!(decoded(Vec::new()).unwrap(), "");
+    }
+
+    #[test]
     fn frame_numbers_are_integer_stems() {
         assert_eq!(frame_number("000012.jpg"), Some(12));
         assert_eq!(frame_number("image_stitched/cafe_0/000000.pcd"), Some(0));
         assert_eq!(frame_number("7"), Some(7));
+        assert_eq!(frame_number("frame000012.png"), Some(12));
+        assert_eq!(frame_number("cafe_0_000012.png"), Some(12));
+        for odd in [
+            "camera_2.jpg",
+            "1550012345.123456789.jpg",
+            "1550012345.jpg",
+            "000012_jpg.rf.ab0012.jpg",
+        ] {
+            assert_eq!(frame_number(odd), None, "{odd}");
+        }
         for odd in ["", "+1.jpg", "cover.jpg", "99999999999.jpg", "..", "12a.png"] {
             assert_eq!(frame_number(odd), None, "{odd}");
         }

@@ -6,18 +6,24 @@ pub mod rig;
 
 mod boxes;
 mod calibration;
+mod describe;
 mod detections;
 mod error;
 mod file;
 mod image_error;
+mod json;
 mod labels;
+mod names;
 mod number;
 mod questions;
+mod sweeps;
+mod times;
 mod tree;
 mod writer;
 
 pub use calibration::{LidarMount, OfficialCalibration};
 pub use cloud::pcd;
+pub use describe::{Description, Kind, describe};
 pub use detections::read_detections;
 pub use error::Error;
 pub use image::{

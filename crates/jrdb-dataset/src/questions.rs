@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::number::Real;
-use crate::{Error, file};
+use crate::{Error, file, json};
 
 /// The only slot that a question about one frame has, and the first of one about a recording.
 const SLOT: &str = "slot1";
@@ -109,11 +109,7 @@ pub fn read_questions(path: &Path) -> Result<Questions, Error> {
 
 fn parse(text: &str, path: &Path) -> Result<Questions, Error> {
     let expected = "a list of JRDB-Reasoning data points";
-    let points: Vec<DataPoint> = serde_json::from_str(text).map_err(|source| Error::Json {
-        expected,
-        path: path.into(),
-        source,
-    })?;
+    let points: Vec<DataPoint> = json::parse(text, path, expected)?;
     let questions = points.into_iter().enumerate().map(|(index, point)| {
         question(point).map_err(|(expected, found)| {
             Error::content(path, format!("{expected} in question {index}"), found)

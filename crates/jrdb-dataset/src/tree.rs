@@ -5,19 +5,20 @@ use std::path::{Path, PathBuf};
 
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig, with_causes};
 
-use crate::cloud::{Fields, Reader};
+use crate::cloud::{CloudColumns, Reader};
 use crate::image::ImageHeader;
 use crate::labels::{self, SequenceLabels};
-use crate::{Error, OfficialCalibration, file, image, rig};
+use crate::names::{
+    CLOUD_EXTENSIONS, IMAGE_EXTENSIONS, absent_sweep, find, near, numbered, stem, unnumbered,
+};
+use crate::times::Timeline;
+use crate::{Error, OfficialCalibration, file, image, rig, sweeps};
 
 /// Folders of a tree, below its root.
 pub(crate) const IMAGES: &str = "images/image_stitched";
 pub(crate) const CLOUDS: &str = "pointclouds";
 pub(crate) const CALIBRATION: &str = "calibration";
 pub(crate) const LABELS: &str = "labels";
-
-const IMAGE_EXTENSIONS: [&str; 3] = ["jpg", "jpeg", "png"];
-const CLOUD_EXTENSIONS: [&str; 5] = ["pcd", "bin", "npy", "ply", "pcd.bin"];
 
 /// A rig in our own form, of which there may be one in the calibration folder.
 const RIG_FILES: [&str; 3] = ["rig.json", "rig.yaml", "rig.yml"];
@@ -28,6 +29,8 @@ const RIG_FILES: [&str; 3] = ["rig.json", "rig.yaml", "rig.yml"];
 #[derive(Debug, Clone)]
 pub struct Dataset {
     root: PathBuf,
+    /// The columns of clouds without a header, where somebody stated them.
+    columns: Option<CloudColumns>,
 }
 
 impl Dataset {
@@ -37,11 +40,17 @@ impl Dataset {
     /// [`Error::Absent`] when there are neither stitched images nor labels.
     pub fn open(root: &Path) -> Result<Self, Error> {
         if [IMAGES, LABELS].iter().any(|folder| root.join(folder).is_dir()) {
-            Ok(Self { root: root.into() })
+            Ok(Self { root: root.into(), columns: None })
         } else {
             let expected = format!("{IMAGES} or {LABELS}");
             Err(Error::Absent { expected, path: root.into() })
         }
+    }
+
+    /// The same tree, whose `.bin` and `.pcd.bin` clouds have these columns.
+    #[must_use]
+    pub fn with_cloud_columns(self, columns: CloudColumns) -> Self {
+        Self { columns: Some(columns), ..self }
     }
 
     /// The root folder.
@@ -77,9 +86,12 @@ impl Dataset {
 
     /// Numbers of the frames of a sequence that have a stitched image or a cloud of any LiDAR, sorted.
     ///
+    /// Where all files are named by times, the pictures are numbered in the order of time, and the sweep of a frame is the one
+    /// nearest in time.
+    ///
     /// # Errors
-    /// [`Error::Absent`] when the sequence has no folder of either, [`Error::Read`] when one cannot be
-    /// listed.
+    /// [`Error::Content`] when the sequence has no folder of either, with the sequences of names alike, or when no file of it
+    /// is named by a number; [`Error::Read`] when a folder cannot be listed.
     pub fn frames(&self, sequence: &str) -> Result<Vec<u32>, Error> {
         let images = self.images(sequence);
         let sensors = file::list(&self.root.join(CLOUDS))?;
@@ -89,14 +101,68 @@ impl Dataset {
             .filter(|path| path.is_dir())
             .collect();
         if !images.is_dir() && clouds.is_empty() {
-            let expected = format!("images or clouds of sequence {sequence:?}");
-            return Err(Error::Absent { expected, path: self.root.clone() });
+            return Err(self.no_sequence(sequence));
         }
         let mut frames = BTreeSet::from_iter(numbered(&images, &IMAGE_EXTENSIONS)?);
-        for folder in clouds {
-            frames.extend(numbered(&folder, &CLOUD_EXTENSIONS)?);
+        for folder in &clouds {
+            frames.extend(numbered(folder, &CLOUD_EXTENSIONS)?);
         }
-        Ok(frames.into_iter().collect())
+        if !frames.is_empty() {
+            return Ok(frames.into_iter().collect());
+        }
+        if let Some(timeline) = self.timeline(sequence) {
+            return Ok((0..timeline.len() as u32).collect());
+        }
+        let folders = std::iter::once((&images, &IMAGE_EXTENSIONS[..]))
+            .chain(clouds.iter().map(|folder| (folder, &CLOUD_EXTENSIONS[..])));
+        let odd = folders.filter_map(|(folder, e)| Some((folder, unnumbered(folder, e)?))).next();
+        odd.map_or(Ok(Vec::new()), |(folder, name)| {
+            let expected = "files named by the numbers of their frames, such as 000012.png or \
+                            000012.pcd, equal for all sensors, or all by times";
+            Err(Error::content(folder, expected, format!("{name:?}")))
+        })
+    }
+
+    /// The pictures of a sequence in the order of time, where all are named by times; without pictures, the sweeps of the
+    /// first LiDAR.
+    fn timeline(&self, sequence: &str) -> Option<Timeline> {
+        let pictures = Timeline::of(&self.images(sequence), &IMAGE_EXTENSIONS);
+        pictures.or_else(|| {
+            let sensors = file::list(&self.root.join(CLOUDS)).ok()?;
+            let has_pictures = unnumbered(&self.images(sequence), &IMAGE_EXTENSIONS).is_some();
+            let mut folders = sensors.iter().filter(|_| !has_pictures);
+            folders.find_map(|sensor| Timeline::of(&sensor.join(sequence), &CLOUD_EXTENSIONS))
+        })
+    }
+
+    /// A LiDAR's sweep nearest in time to a frame of a sequence whose files are named by times, or why there is none.
+    fn sweep_by_time(
+        &self,
+        folder: &Path,
+        sequence: &str,
+        frame: u32,
+    ) -> Option<Result<PathBuf, String>> {
+        let timeline = self.timeline(sequence)?;
+        let (time_ns, picture) = timeline.get(frame)?;
+        let sweeps = Timeline::of(folder, &CLOUD_EXTENSIONS)?;
+        let (apart_ns, path) = sweeps.nearest(time_ns)?;
+        if apart_ns <= timeline.max_apart_ns() {
+            return Some(Ok(path.into()));
+        }
+        let [picture, path] = [picture, path].map(|path| path.file_name().unwrap_or_default());
+        let seconds = apart_ns as f64 * 1e-9;
+        Some(Err(format!("no sweep near {picture:?} in time; {path:?} is {seconds:.3} s apart")))
+    }
+
+    fn no_sequence(&self, sequence: &str) -> Error {
+        let expected = format!("images or clouds of sequence {sequence:?}");
+        let known = self.sequences().unwrap_or_default();
+        if known.is_empty() {
+            return Error::Absent { expected, path: self.root.clone() };
+        }
+        let found = near(sequence, &known).into_iter().map(|name| format!("{name:?}"));
+        let found = format!("the sequences {}", found.collect::<Vec<_>>().join(", "));
+        Error::content(&self.root, expected, found)
     }
 
     /// The rig: from `calibration/rig.json`, `rig.yaml` or `rig.yml` where one is there
@@ -107,12 +173,19 @@ impl Dataset {
     /// rig files.
     pub fn rig(&self) -> Result<Rig, Error> {
         let folder = self.root.join(CALIBRATION);
-        let found: Vec<&str> =
-            RIG_FILES.into_iter().filter(|name| folder.join(name).is_file()).collect();
-        match found[..] {
-            [] => Ok(OfficialCalibration::read(&folder)?.rig()),
-            [name] => rig::read(&folder.join(name)),
-            _ => Err(Error::content(&folder, "one rig file", found.join(" and "))),
+        let paths = RIG_FILES.into_iter().map(|name| file::named(&folder, name));
+        let found: Vec<PathBuf> = paths.filter(|path| path.is_file()).collect();
+        match &found[..] {
+            [] => {
+                let rig = OfficialCalibration::read(&folder)?.rig();
+                rig::check(&rig, &folder)?;
+                Ok(rig)
+            }
+            [path] => rig::read(path),
+            _ => {
+                let names: Vec<String> = found.iter().filter_map(|p| name(p.file_name())).collect();
+                Err(Error::content(&folder, "one rig file", names.join(" and ")))
+            }
         }
     }
 
@@ -149,9 +222,13 @@ impl Dataset {
 
     fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
-        find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {
+        let by_time = || {
+            let timeline = Timeline::of(&folder, &IMAGE_EXTENSIONS)?;
+            timeline.get(frame).map(|(_, path)| path.to_path_buf())
+        };
+        find(&folder, frame, &IMAGE_EXTENSIONS).or_else(by_time).ok_or_else(|| Error::Absent {
             expected: format!("{frame:06}.{}", IMAGE_EXTENSIONS.join(", .")),
-            path: folder,
+            path: folder.clone(),
         })
     }
 
@@ -168,28 +245,43 @@ impl Dataset {
         frame: u32,
         lidars: &[Lidar],
     ) -> (Vec<PointCloud>, Vec<Issue>) {
-        let (mut clouds, mut issues, mut reader) = (Vec::new(), Vec::new(), Reader::default());
+        let (mut clouds, mut issues) = (Vec::new(), Vec::new());
+        let mut reader = self.columns.clone().map_or_else(Reader::default, Reader::with_columns);
+        let place =
+            |path: &Path| path.strip_prefix(&self.root).unwrap_or(path).display().to_string();
         for lidar in lidars {
             let folder = self.sweeps(&lidar.name, sequence);
-            let file = find(&folder, frame, &CLOUD_EXTENSIONS)
-                .unwrap_or_else(|| folder.join(format!("{frame:06}.pcd")));
-            let place = file.strip_prefix(&self.root).unwrap_or(&file).display();
-            match cloud(&mut reader, &file, &lidar.name) {
-                Ok(cloud) => {
-                    if cloud.skipped > 0 {
-                        let points = cloud.skipped;
-                        let message = format!("{place}: {points} points without a finite position");
-                        issues.push(Issue::new(IssueKind::SkippedPoints, message));
-                    }
-                    clouds.push(cloud);
+            let numbered = find(&folder, frame, &CLOUD_EXTENSIONS).map(Ok);
+            let by_time = || self.sweep_by_time(&folder, sequence, frame);
+            let missing = |(path, why): (PathBuf, String)| {
+                Issue::new(IssueKind::MissingInput, format!("{}: {why}", place(&path)))
+            };
+            let path = match numbered.or_else(by_time) {
+                Some(Ok(path)) => path,
+                Some(Err(why)) => {
+                    issues.push(missing((folder, why)));
+                    continue;
                 }
-                Err(message) => {
-                    let message = format!("{place}: {message}");
-                    issues.push(Issue::new(IssueKind::MissingInput, message));
+                None => {
+                    issues.push(missing(absent_sweep(&folder, frame)));
+                    continue;
                 }
-            }
+            };
+            let (cloud, more) = sweeps::read(&mut reader, &path, &lidar.name, &place(&path));
+            clouds.extend(cloud);
+            issues.extend(more);
         }
         (clouds, issues)
+    }
+
+    /// How many sweeps of a sequence each folder of a LiDAR has, sorted by the folders' names.
+    pub(crate) fn sweep_counts(&self, sequence: &str) -> Vec<(String, usize)> {
+        let folders = file::list(&self.root.join(CLOUDS)).unwrap_or_default();
+        let count = |folder: &PathBuf| {
+            let numbers = numbered(&folder.join(sequence), &CLOUD_EXTENSIONS).ok()?;
+            Some((name(folder.file_name())?, numbers.len()))
+        };
+        folders.iter().filter_map(count).collect()
     }
 
     /// The labels of a sequence, from whichever of `labels_2d_stitched`, `labels_3d` and
@@ -211,45 +303,6 @@ impl Dataset {
     }
 }
 
-/// One sweep, or why there is none, without host paths.
-fn cloud(reader: &mut Reader, path: &Path, sensor: &str) -> Result<PointCloud, String> {
-    if !path.is_file() {
-        return Err("no such file".into());
-    }
-    match reader.read(path, sensor, Fields::Positions) {
-        Ok(cloud) => Ok(cloud),
-        Err(Error::Cloud { source, .. }) => Err(with_causes(&source)),
-        Err(Error::Read { source, .. }) => Err(source.to_string()),
-        Err(error) => Err(with_causes(&error)),
-    }
-}
-
 fn name(part: Option<&std::ffi::OsStr>) -> Option<String> {
     part?.to_str().map(String::from)
-}
-
-/// The name before its extension, which may have a dot of its own, if it is one of these.
-fn stem<'a>(path: &'a Path, extensions: &[&str]) -> Option<&'a str> {
-    let name = path.file_name()?.to_str()?;
-    let stem = |extension: &&str| name.strip_suffix(extension)?.strip_suffix('.');
-    extensions.iter().filter_map(stem).min_by_key(|stem| stem.len())
-}
-
-fn frame_of(path: &Path, extensions: &[&str]) -> Option<u32> {
-    file::number(stem(path, extensions)?)
-}
-
-/// The frame numbers of a folder's files of a kind.
-fn numbered(folder: &Path, extensions: &[&str]) -> Result<Vec<u32>, Error> {
-    let files = file::list(folder)?;
-    Ok(files.iter().filter_map(|path| frame_of(path, extensions)).collect())
-}
-
-/// A frame's file: six digits as in JRDB, else any file whose integer stem is the frame's number.
-fn find(folder: &Path, frame: u32, extensions: &[&str]) -> Option<PathBuf> {
-    let usual = extensions.iter().map(|extension| folder.join(format!("{frame:06}.{extension}")));
-    usual.into_iter().find(|path| path.is_file()).or_else(|| {
-        let mut files = file::list(folder).ok()?.into_iter();
-        files.find(|path| frame_of(path, extensions) == Some(frame))
-    })
 }

@@ -198,8 +198,8 @@ fn kitti_s_baselines_are_translations() {
     let cases = [
         ("P2: 700", "P2:", "expected 12 finite numbers as P2, found [0.0, 600.0"),
         ("P2: 700 0", "P2: 700 1", "expected fx 0 cx, 0 fy cy, 0 0 1 as P2, found [700.0, 1.0"),
-        ("R0_rect: 1 0", "R0_rect: 1 x", r#"expected 9 finite numbers as R0_rect, found " 1 x"#),
-        ("R0_rect", "R_rect", "expected 9 finite numbers as R0_rect, found no such key"),
+        ("R0_rect: 1 0", "R0_rect: 1 x", r#"expected 9 finite numbers as R0_rect, found "1 x"#),
+        ("R0_rect", "R_0", "expected R0_rect or R_rect of a KITTI object, tracking"),
         (
             "R0_rect: 1 0",
             "R0_rect: 1 0.002",
@@ -214,7 +214,7 @@ fn kitti_s_baselines_are_translations() {
     fs::write(&path, &KITTI[KITTI.find("R0").unwrap()..]).unwrap();
     assert!(
         message(rig::kitti(&path, [1242, 375]))
-            .starts_with("expected P0, P1, P2 or P3, found none")
+            .starts_with("expected P0, P1, P2 or P3 of a KITTI object, tracking")
     );
 }
 

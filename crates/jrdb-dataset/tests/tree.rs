@@ -416,3 +416,90 @@ fn what_cannot_be_written_in_jrdb_s_form_is_refused() {
     one_lidar.lidars.pop();
     assert!(writer.calibration(&one_lidar).is_err());
 }
+
+/// A tree with a picture and a sweep of one point, both with their names.
+fn named(test: &str, picture: &str, sweep: &str) -> (Dataset, PathBuf) {
+    let root = folder(test);
+    let writer = TreeWriter::new(&root);
+    writer.image(&frame(0), &Image::filled(2, 2, [0; 3])).unwrap();
+    let images = root.join("images/image_stitched").join(frame(0).sequence);
+    fs::rename(images.join("000000.png"), images.join(picture)).unwrap();
+    let sweeps = root.join("pointclouds/upper_velodyne").join(frame(0).sequence);
+    fs::create_dir_all(&sweeps).unwrap();
+    fs::write(sweeps.join(sweep), &one_point()[1].1).unwrap();
+    (Dataset::open(&root).unwrap(), root)
+}
+
+#[test]
+fn endings_may_be_in_capitals_and_numbers_behind_names() {
+    for (picture, sweep) in [("000000.PNG", "000000.BIN"), ("frame000000.png", "cloud_000000.bin")]
+    {
+        let (dataset, _) = named("capitals", picture, sweep);
+        assert_eq!(dataset.frames(&frame(0).sequence).unwrap(), [0]);
+        assert!(dataset.image(&frame(0).sequence, 0).is_ok());
+        let (clouds, issues) = dataset.clouds(&frame(0).sequence, 0, &lidars()[..1]);
+        assert_eq!((clouds.len(), issues), (1, vec![]));
+    }
+}
+
+#[test]
+fn files_named_by_times_are_frames_in_their_order_and_sweeps_are_the_nearest() {
+    let (dataset, root) = named("times", "1550012345.500000000.png", "1550012345.520000000.bin");
+    let sequence = frame(0).sequence;
+    assert_eq!(dataset.frames(&sequence).unwrap(), [0]);
+    assert!(dataset.image(&sequence, 0).is_ok());
+    let (clouds, issues) = dataset.clouds(&sequence, 0, &lidars()[..1]);
+    assert_eq!((clouds.len(), issues), (1, vec![]));
+    let sweeps = root.join("pointclouds/upper_velodyne").join(&sequence);
+    let far = sweeps.join("1550012399.520000000.bin");
+    fs::rename(sweeps.join("1550012345.520000000.bin"), far).unwrap();
+    let (_, issues) = dataset.clouds(&sequence, 0, &lidars()[..1]);
+    assert_eq!(issues[0].kind, IssueKind::MissingInput);
+    assert!(issues[0].message.contains("is 54.020 s apart"), "{issues:?}");
+    let images = root.join("images/image_stitched").join(&sequence);
+    fs::write(images.join("start.png"), "").unwrap();
+    let error = dataset.frames(&sequence).unwrap_err().to_string();
+    assert!(error.contains("1550012345.500000000.png"), "{error}");
+}
+
+#[test]
+fn a_sequence_that_is_not_there_is_answered_with_names_alike() {
+    let (dataset, _) = named("alike", "000000.png", "000000.bin");
+    let error = dataset.frames("cafe").unwrap_err().to_string();
+    assert!(error.contains(r#"found the sequences "cafe-2030-01-01_0""#), "{error}");
+}
+
+#[test]
+fn stated_columns_are_taken() {
+    let (dataset, root) = named("columns", "000000.png", "000000.bin");
+    let path = root.join("pointclouds/upper_velodyne").join(frame(0).sequence).join("000000.bin");
+    let row = [7.0_f64, 3.0, 2.0, 1.0].iter().flat_map(|v| v.to_le_bytes());
+    fs::write(path, row.collect::<Vec<u8>>()).unwrap();
+    let dataset = dataset.with_cloud_columns("t:f64,z:f64,y:f64,x:f64".parse().unwrap());
+    let (clouds, issues) = dataset.clouds(&frame(0).sequence, 0, &lidars()[..1]);
+    assert_eq!((clouds[0].x[0], clouds[0].z[0], issues), (1.0, 3.0, vec![]));
+}
+
+#[test]
+fn labels_of_windows_and_of_python_are_read() {
+    let root = folder("odd-labels");
+    TreeWriter::new(&root).labels("cafe", &[labelled()]).unwrap();
+    let read = || {
+        let dataset = Dataset::open(&root).unwrap();
+        let id = FrameId { sequence: "cafe".into(), ..frame(3) };
+        dataset.labels("cafe").unwrap().detections(&id, geometry())
+    };
+    let (sound, path) = (read(), root.join("labels/labels_3d/cafe.json"));
+    let text = fs::read_to_string(&path).unwrap();
+    let utf16: Vec<u8> =
+        format!("\u{feff}{text}").encode_utf16().flat_map(u16::to_le_bytes).collect();
+    fs::write(&path, utf16).unwrap();
+    assert_eq!(read(), sound);
+    fs::write(&path, text.replacen("\"rot_z\":", "\"rot_z\": NaN, \"old\":", 1)).unwrap();
+    let found = read();
+    assert_eq!(found.detections.len(), sound.detections.len());
+    assert_eq!(found.issues[0].kind, IssueKind::BadBox);
+    fs::write(&path, text.replace("000003", "third")).unwrap();
+    let error = Dataset::open(&root).unwrap().labels("cafe").unwrap_err().to_string();
+    assert!(error.starts_with("expected frames named by their numbers"), "{error}");
+}

@@ -14,6 +14,8 @@ pub enum IssueKind {
     MissingInput,
     /// A label file of the sequence is absent; what it holds is unknown.
     MissingLabels,
+    /// A file of the frame is odd but was used; the message says what is odd and how it was taken.
+    DoubtfulInput,
     /// An object of a label file could not be used.
     BadLabel,
     /// A model could not describe a person: its attributes are unknown.

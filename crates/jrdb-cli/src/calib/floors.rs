@@ -1,11 +1,16 @@
 //! The floors under a frame's LiDARs.
 
-use jrdb_calibration::{FloorConfig, compare_floors, fit_floor};
+use jrdb_calibration::{FloorConfig, FloorDifference, compare_floors, fit_floor};
 use jrdb_projection::nalgebra::Point3;
 use jrdb_render::calibration as words;
 
-use super::BaseSweep;
+use super::frame::BaseSweep;
 use jrdb_types::with_causes;
+
+/// Floors of one frame farther apart than this are not one floor, metres: on the real frame they are 0.02 m apart.
+const APART_M: f64 = 0.1;
+/// The same for their tilts, degrees.
+const APART_DEG: f64 = 3.0;
 
 /// A floor's tilt that grows by less is no sign of anything, degrees: the floors that two well mounted LiDARs see in
 /// one real frame differ by as much.
@@ -24,6 +29,15 @@ pub fn floor_lines(sweeps: &[BaseSweep]) -> Vec<String> {
     let mut lines: Vec<String> = named.iter().map(line).collect();
     if let Ok(found) = compare_floors(&named, &config) {
         lines.extend(found.differences.iter().map(words::floor_difference));
+        let is_apart = |d: &&FloorDifference| {
+            d.height_m.abs() > APART_M || d.tilt_rad.abs() > APART_DEG.to_radians()
+        };
+        lines.extend(found.differences.iter().filter(is_apart).map(|difference| {
+            let FloorDifference { first, second, .. } = difference;
+            format!(
+                "floors of {first} and {second} lie apart: at least one of their mounts is wrong"
+            )
+        }));
     }
     lines
 }

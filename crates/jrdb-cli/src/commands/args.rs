@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use jrdb_cli::Error;
 use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, Source, open_perception};
+use jrdb_dataset::cloud::CloudColumns;
 use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::{EngineChoice, EngineOptions};
 use jrdb_models::profile::Profile;
@@ -43,12 +44,15 @@ pub(crate) struct RobotArgs {
     /// The rig's camera that the images are from; its first when absent
     #[arg(long, value_name = "NAME")]
     camera: Option<String>,
+    /// The columns of .bin and .pcd.bin clouds, such as x,y,z,intensity,ring or x:f64,y:f64,z:f64; by the name and the numbers when absent
+    #[arg(long, value_name = "COLUMNS")]
+    cloud_columns: Option<CloudColumns>,
 }
 
 impl RobotArgs {
     pub(crate) fn options(&self) -> RobotOptions {
         let (rig, camera) = (self.rig.clone().unwrap_or_default(), self.camera.clone());
-        RobotOptions { rig, camera }
+        RobotOptions { rig, camera, cloud_columns: self.cloud_columns.clone() }
     }
 }
 

@@ -8,7 +8,8 @@ use clap::{Args, Subcommand};
 use jrdb_calibration::{FitConfig, FitReport, LidarFit, Motion, Verdict, about, check_fit, refine};
 use jrdb_cli::Error;
 use jrdb_cli::calib::{
-    BaseSweep, CalibFrame, Mounts, Plant, base_sweeps, floor_lines, tilted_more, with_views,
+    BaseSweep, CalibFrame, GrossError, Mounts, Plant, base_sweeps, floor_lines, gross_errors,
+    tilted_more, with_views,
 };
 use jrdb_cli::output::write;
 use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, list_frames};
@@ -129,13 +130,15 @@ impl Job {
 fn check(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
     let report = job.check(&job.mounts)?;
     let unplanted = job.unplanted()?;
-    let words = words::verdict(&report);
+    let gross = gross_errors(&job.frames, &job.mounts, &report, &FitConfig::default())?;
+    let words = gross.iter().map(gross_words).chain([words::verdict(&report)]);
+    let words = words.collect::<Vec<_>>().join("; ");
     let floors: Vec<Vec<String>> =
         (0..job.frames.len()).map(|i| floor_lines(&job.sweeps(i))).collect();
     let value = json!({
         "frames": job.names(), "config": FitConfig::default(),
         "planted": job.plant, "floors": floors, "fit": report,
-        "fit_without_planted_error": unplanted, "verdict": words,
+        "fit_without_planted_error": unplanted, "gross_errors": gross, "verdict": words,
     });
     let json = serde_json::to_string_pretty(&value)?;
     if let Some(out) = &args.out {
@@ -158,6 +161,15 @@ fn check(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
     }
     let code = if report.verdict == Verdict::Consistent { 0 } else { 1 };
     Ok(ExitCode::from(code))
+}
+
+/// A gross error in words.
+fn gross_words(found: &GrossError) -> String {
+    let GrossError { sensor, error, yaw_significance, height_significance } = found;
+    format!(
+        "{sensor}: probably {error}; without that it fits the image (yaw {yaw_significance:.1} sigma, height \
+         {height_significance:.1} sigma)"
+    )
 }
 
 /// What the check made of the planted error, one line per LiDAR.

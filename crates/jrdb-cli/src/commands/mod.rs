@@ -3,6 +3,7 @@
 mod args;
 mod calib;
 mod exchange;
+mod info;
 mod models;
 mod print;
 mod progress;
@@ -48,8 +49,10 @@ enum Command {
     Synth(synth::SynthArgs),
     /// Does the cloud fit the image, and if not, by how much
     Calib(calib::CalibArgs),
-    /// Other calibration files as a rig file: JRDB, KITTI, nuScenes
+    /// Other calibration files as a rig file: JRDB, KITTI, nuScenes, ROS, Kalibr, OpenCV
     Rig(rig::RigArgs),
+    /// What a file or a folder is, what it contains, what is missing, and the command to use next
+    Info(info::InfoArgs),
     /// Questions for models that run elsewhere, and a recording of those that run here
     Exchange(exchange::ExchangeArgs),
     /// JSON Schemas of the artefacts
@@ -111,6 +114,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Synth(args) => synth::synth(&args),
         Command::Calib(args) => calib::calib(&args),
         Command::Rig(args) => rig::rig(&args),
+        Command::Info(args) => info::info(&args),
         Command::Exchange(args) => exchange::exchange(&args),
         Command::Schema(args) => schema::schema(&args),
         Command::Models(args) => models::models(&args),

@@ -18,7 +18,8 @@ pub(crate) struct RigArgs {
     /// What PATH is
     #[arg(value_enum)]
     kind: Kind,
-    /// jrdb: a tree's calibration folder; kitti: a calib file; nuscenes: a folder with its tables; file: a rig file
+    /// jrdb: a tree's calibration folder; kitti: a calib file; nuscenes: a folder with its tables; camera: a camera calibration;
+    /// file: a rig file
     path: PathBuf,
     /// Size of KITTI's images, which its files do not say
     #[arg(long, value_name = "W H", num_args = 2, default_values_t = [1242, 375])]
@@ -38,16 +39,21 @@ enum Kind {
     JrdbRefined,
     /// JRDB's five single cameras
     JrdbCameras,
-    /// A KITTI object calib file
+    /// A KITTI calib file: object, tracking, odometry, or raw calib_cam_to_cam.txt
     Kitti,
     /// nuScenes' sensor, calibrated_sensor and sample_data tables
     Nuscenes,
+    /// A ROS camera_info, a Kalibr camchain or an OpenCV calibration: lenses without their places
+    Camera,
     /// A rig file, to check it
     File,
 }
 
 pub(crate) fn rig(args: &RigArgs) -> Result<ExitCode> {
     let found = read(args)?;
+    for doubt in rig::doubts(&found) {
+        eprintln!("warning: {}: {doubt}", args.path.display());
+    }
     let robot = Robot::new(found, None)?;
     let Rig { base, transforms, cameras, lidars } = robot.rig();
     let camera = |c: &jrdb_types::Camera| {
@@ -83,6 +89,10 @@ fn read(args: &RigArgs) -> Result<Rig> {
                 calibrations.map_or(rig::Calibrations::Only, rig::Calibrations::OfSample),
             )
         }
+        Kind::Camera => rig::camera_file(path).map(|found| {
+            eprintln!("warning: {}: {}", path.display(), found.missing);
+            found.rig
+        }),
         Kind::File => rig::read(path),
     };
     Ok(found.map_err(Error::from)?)

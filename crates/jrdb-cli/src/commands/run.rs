@@ -154,7 +154,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
         eprintln!("{line}");
     }
     let demands = Demands { strict: args.strict, require_answer: args.require_answer };
-    Ok(ExitCode::from(health::exit_code(&summary, demands)))
+    Ok(ExitCode::from(health::exit_code(&summary.health, demands)))
 }
 
 /// Prints results as they come.

@@ -145,8 +145,22 @@ fn skip_list(text: &[u8]) -> Option<&[u8]> {
 fn number(text: &[u8]) -> Option<(f32, &[u8])> {
     short_decimal(text).or_else(|| {
         let (word, rest) = split_word(text);
-        Some((std::str::from_utf8(word).ok()?.parse().ok()?, rest))
+        let word = std::str::from_utf8(word).ok()?;
+        Some((word.parse().ok().or_else(|| no_number(word))?, rest))
     })
+}
+
+/// What C libraries print for a number that is none: glibc's `nan(0x7)`, Microsoft's `-nan(ind)`, `1.#QNAN`, `-1.#IND`, `1.#INF00`.
+fn no_number(word: &str) -> Option<f32> {
+    let word = word.strip_prefix(['-', '+']).unwrap_or(word).to_ascii_lowercase();
+    let name = word.strip_prefix("1.#").unwrap_or(&word);
+    let name = name.trim_end_matches('0');
+    let payload = |name: &str| name.is_empty() || (name.starts_with('(') && name.ends_with(')'));
+    let is_nan = ["nan", "qnan", "snan", "ind"]
+        .iter()
+        .any(|known| name.strip_prefix(known).is_some_and(payload));
+    let is_known = is_nan || ["inf", "infinity"].contains(&name) || ["na", "n/a"].contains(&name);
+    is_known.then_some(f32::NAN)
 }
 
 /// Most digits of which any number is exact as `f64`.
@@ -225,6 +239,18 @@ mod tests {
         assert_eq!(rows("1 2 3x\n", &XY)[0], Err("a number: 1 2 3x".into()));
         let list = rows("3 a b\n1", &[Word::List]);
         assert_eq!(list[0], Err("a list with as many words as it says: 3 a b".into()));
+    }
+
+    #[test]
+    fn a_number_that_is_none_is_known_by_every_c_library_s_name() {
+        let words = "nan -nan NaN nan(ind) -nan(ind) -nan(snan) nan(0x7) 1.#QNAN 1.#QNAN0 -1.#IND -1.#IND00 1.#INF -1.#INF00 1.#SNAN";
+        for word in words.split(' ') {
+            let (number, _) = number(word.as_bytes()).unwrap();
+            assert!(!number.is_finite(), "{word}");
+        }
+        for word in ["nan(", "1.#", "none", "1.#x", "ind(x"] {
+            assert!(number(word.as_bytes()).is_none(), "{word}");
+        }
     }
 
     #[test]

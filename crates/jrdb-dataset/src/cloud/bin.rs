@@ -1,81 +1,24 @@
-//! Clouds of bare little-endian floats: KITTI's `.bin` and nuScenes' `.pcd.bin`.
+//! Clouds of bare little-endian numbers: KITTI's `.bin`, nuScenes' `.pcd.bin`, and what else people call so.
 
-use std::path::Path;
+mod error;
+mod evidence;
+mod layout;
+mod rows;
 
 use jrdb_types::PointCloud;
 
-use super::columns::{ByteOrder, Column, Columns, Scalar};
-use super::fields::{Fields, filled};
+use super::columns::{ByteOrder, Scalar};
+use super::fields::{Fields, Notes, filled};
+use evidence::Evidence;
 
-/// What the floats of a point are; the file does not say.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum BinLayout {
-    /// `x y z reflectance`, 16 bytes.
-    Kitti,
-    /// `x y z intensity ring`, 20 bytes. The axes are those of the sensor: nuScenes' LiDAR has x to the right
-    /// and y forward, which its rig accounts for.
-    NuScenes,
-}
-
-/// Why bytes are not points of a layout.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[non_exhaustive]
-pub enum BinError {
-    /// The length is not that of whole points.
-    #[error("expected a multiple of {} bytes ({expected}), found {found} bytes{}", .expected.row_bytes(), hint(*.fits))]
-    Length {
-        /// Layout that was asked for.
-        expected: BinLayout,
-        /// Bytes found.
-        found: usize,
-        /// The layout of whose points the bytes are a whole number.
-        fits: Option<BinLayout>,
-    },
-}
-
-fn hint(fits: Option<BinLayout>) -> String {
-    let name = |layout| if layout == BinLayout::Kitti { ".bin" } else { ".pcd.bin" };
-    fits.map_or_else(String::new, |layout| {
-        format!("; they are whole points of {layout}, whose files end in {}", name(layout))
-    })
-}
-
-impl std::fmt::Display for BinLayout {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Kitti => "KITTI's x y z reflectance",
-            Self::NuScenes => "nuScenes' x y z intensity ring",
-        })
-    }
-}
-
-impl BinLayout {
-    /// The layout by the file's name: nuScenes' for `.pcd.bin`, else KITTI's.
-    #[must_use]
-    pub fn of(path: &Path) -> Self {
-        let stem = path.file_stem().map(Path::new);
-        let is_pcd = stem.and_then(Path::extension).is_some_and(|extension| extension == "pcd");
-        if is_pcd { Self::NuScenes } else { Self::Kitti }
-    }
-
-    /// Bytes of a point.
-    #[must_use]
-    pub const fn row_bytes(self) -> usize {
-        match self {
-            Self::Kitti => 16,
-            Self::NuScenes => 20,
-        }
-    }
-
-    const fn other(self) -> Self {
-        match self {
-            Self::Kitti => Self::NuScenes,
-            Self::NuScenes => Self::Kitti,
-        }
-    }
-}
+pub use error::BinError;
+pub use layout::BinLayout;
+pub use rows::CloudColumns;
 
 /// Parses bare floats as the sweep of a sensor.
+///
+/// The file does not say what its numbers are. Where the numbers leave no doubt that they are of another layout than
+/// the name stands for (3 to 8 floats, or doubles), they are read so.
 ///
 /// ```
 /// use jrdb_dataset::cloud::{BinLayout, bin};
@@ -85,8 +28,8 @@ impl BinLayout {
 /// ```
 ///
 /// # Errors
-/// [`BinError::Length`] when the bytes are not a whole number of points. A file of the other layout whose
-/// length divides by both cannot be told apart.
+/// [`BinError::Length`] when the bytes are not a whole number of points, and [`BinError::NotFloats`] when they are not such
+/// numbers. A small file of another layout whose length divides by both cannot be told apart.
 pub fn parse(bytes: &[u8], layout: BinLayout, sensor: &str) -> Result<PointCloud, BinError> {
     filled(sensor, |cloud| fill(bytes, layout, Fields::All, cloud))
 }
@@ -97,23 +40,74 @@ pub(super) fn fill(
     layout: BinLayout,
     fields: Fields,
     cloud: &mut PointCloud,
-) -> Result<(), BinError> {
-    let stride = layout.row_bytes();
-    if !bytes.len().is_multiple_of(stride) {
-        let other = layout.other();
-        let fits = bytes.len().is_multiple_of(other.row_bytes()).then_some(other);
-        return Err(BinError::Length { expected: layout, found: bytes.len(), fits });
+) -> Result<Notes, BinError> {
+    let named = layout.row_bytes() / Scalar::F32.size();
+    match evidence::weigh(bytes, named) {
+        Evidence::Other { scalar, columns } => {
+            let rows = CloudColumns::alike(scalar, columns);
+            fill_rows(bytes, &rows, fields, cloud);
+            Ok(vec![other_layout(layout, scalar, columns)])
+        }
+        Evidence::NotFloats { percent } => Err(BinError::NotFloats { expected: layout, percent }),
+        Evidence::AsNamed | Evidence::PerhapsOther { .. }
+            if !bytes.len().is_multiple_of(layout.row_bytes()) =>
+        {
+            let other = layout.other();
+            let fits = bytes.len().is_multiple_of(other.row_bytes()).then_some(other);
+            Err(BinError::Length { expected: layout, found: bytes.len(), fits })
+        }
+        doubt => {
+            fill_rows(bytes, &CloudColumns::alike(Scalar::F32, named), fields, cloud);
+            let note = |columns| {
+                format!(
+                    "read as {layout}, but its numbers look like {columns} floats a point; state the \
+                     columns"
+                )
+            };
+            Ok(match doubt {
+                Evidence::PerhapsOther { columns } => vec![note(columns)],
+                _ => Notes::new(),
+            })
+        }
     }
-    let column = |start| Column { scalar: Scalar::F32, start, stride };
-    let intensity = (fields == Fields::All).then(|| column(12));
-    let columns = Columns { xyz: [0, 4, 8].map(column), intensity };
-    columns.fill(bytes, bytes.len() / stride, ByteOrder::Little, cloud);
-    Ok(())
+}
+
+/// Reads points of the columns that were stated.
+pub(super) fn fill_stated(
+    bytes: &[u8],
+    columns: &CloudColumns,
+    fields: Fields,
+    cloud: &mut PointCloud,
+) -> Result<Notes, BinError> {
+    let expected = columns.row_bytes();
+    if !bytes.len().is_multiple_of(expected) {
+        let columns = columns.to_string();
+        return Err(BinError::Stated { expected, columns, found: bytes.len() });
+    }
+    fill_rows(bytes, columns, fields, cloud);
+    Ok(Notes::new())
+}
+
+fn fill_rows(bytes: &[u8], columns: &CloudColumns, fields: Fields, cloud: &mut PointCloud) {
+    let rows = bytes.len() / columns.row_bytes();
+    if let Some(places) = columns.places(fields) {
+        places.fill(bytes, rows, ByteOrder::Little, cloud);
+    }
+}
+
+/// The note on a file whose numbers show another layout than its name.
+fn other_layout(named: BinLayout, scalar: Scalar, columns: usize) -> String {
+    let kind = if scalar == Scalar::F64 { "8-byte" } else { "4-byte" };
+    format!(
+        "read as {columns} {kind} floats a point (x y z ..), as its numbers show, not as {named}; \
+         state the columns to read it otherwise"
+    )
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::path::Path;
 
     fn bytes(floats: usize) -> Vec<u8> {
         (0..floats).flat_map(|i| (i as f32).to_le_bytes()).collect()

@@ -5,37 +5,75 @@ use jrdb_types::PointCloud;
 /// Type of a number that can be kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Scalar {
+    F16,
     F32,
     F64,
+    I8,
+    I16,
+    I32,
+    I64,
     U8,
     U16,
+    U32,
+    U64,
 }
 
 impl Scalar {
     /// Bytes of a number.
     pub(super) const fn size(self) -> usize {
         match self {
-            Self::U8 => 1,
-            Self::U16 => 2,
-            Self::F32 => 4,
-            Self::F64 => 8,
+            Self::I8 | Self::U8 => 1,
+            Self::F16 | Self::I16 | Self::U16 => 2,
+            Self::F32 | Self::I32 | Self::U32 => 4,
+            Self::F64 | Self::I64 | Self::U64 => 8,
         }
     }
 
     /// The number at the start of the bytes; NaN when they are too few.
     pub(super) fn read(self, bytes: &[u8], order: ByteOrder) -> f32 {
         let number = match self {
+            Self::F16 => chunk(bytes, order).map(|b| half(u16::from_le_bytes(b))),
             Self::F32 => chunk(bytes, order).map(f32::from_le_bytes),
             Self::F64 => chunk(bytes, order).map(|b| f64::from_le_bytes(b) as f32),
+            Self::I8 => chunk(bytes, order).map(|b| f32::from(i8::from_le_bytes(b))),
+            Self::I16 => chunk(bytes, order).map(|b| f32::from(i16::from_le_bytes(b))),
+            Self::I32 => chunk(bytes, order).map(|b| i32::from_le_bytes(b) as f32),
+            Self::I64 => chunk(bytes, order).map(|b| i64::from_le_bytes(b) as f32),
             Self::U8 => bytes.first().map(|&b| f32::from(b)),
             Self::U16 => chunk(bytes, order).map(|b| f32::from(u16::from_le_bytes(b))),
+            Self::U32 => chunk(bytes, order).map(|b| u32::from_le_bytes(b) as f32),
+            Self::U64 => chunk(bytes, order).map(|b| u64::from_le_bytes(b) as f32),
         };
         number.unwrap_or(f32::NAN)
     }
+}
 
+impl Scalar {
+    /// Whether the numbers may have parts.
     pub(super) fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
+        matches!(self, Self::F16 | Self::F32 | Self::F64)
     }
+
+    /// Whether a column of this type can be the strength of returns.
+    pub(super) fn is_strength(self) -> bool {
+        self.is_float() || matches!(self, Self::U8 | Self::U16)
+    }
+}
+
+/// The number that a half-precision float stands for.
+fn half(bits: u16) -> f32 {
+    const MANTISSA_BITS: i32 = 10;
+    const BIAS: i32 = 15;
+    let (sign, exponent) = (bits >> 15, i32::from(bits >> MANTISSA_BITS & 0x1f));
+    let mantissa = f32::from(bits & 0x3ff);
+    let step = |exponent: i32| 2_f32.powi(exponent - BIAS - MANTISSA_BITS);
+    let size = match (exponent, bits & 0x3ff) {
+        (0, _) => mantissa * step(1),
+        (31, 0) => f32::INFINITY,
+        (31, _) => f32::NAN,
+        _ => (mantissa + 1024.0) * step(exponent),
+    };
+    if sign == 1 { -size } else { size }
 }
 
 /// Which byte of a number comes first.
@@ -334,6 +372,30 @@ mod tests {
         let mut cloud = PointCloud::default();
         columns.fill(&body, 40, ByteOrder::Little, &mut cloud);
         assert_eq!((cloud.len(), cloud.skipped), (40, 0));
+    }
+
+    #[test]
+    fn integers_and_halves_are_read_in_both_orders() {
+        let read = |scalar: Scalar, bytes: &[u8]| {
+            let reversed: Vec<u8> = bytes.iter().rev().copied().collect();
+            let number = scalar.read(bytes, ByteOrder::Little);
+            assert_eq!(scalar.size(), bytes.len());
+            let big = scalar.read(&reversed, ByteOrder::Big);
+            assert!(big == number || (big.is_nan() && number.is_nan()), "{scalar:?}");
+            number
+        };
+        assert_eq!(read(Scalar::I8, &(-7_i8).to_le_bytes()), -7.0);
+        assert_eq!(read(Scalar::I16, &(-700_i16).to_le_bytes()), -700.0);
+        assert_eq!(read(Scalar::I32, &(-70_000_i32).to_le_bytes()), -70_000.0);
+        assert_eq!(read(Scalar::I64, &(-70_000_i64).to_le_bytes()), -70_000.0);
+        assert_eq!(read(Scalar::U32, &70_000_u32.to_le_bytes()), 70_000.0);
+        assert_eq!(read(Scalar::U64, &70_000_u64.to_le_bytes()), 70_000.0);
+        let halves =
+            [(0x3c00_u16, 1.0), (0xc500, -5.0), (0x0001, 5.960_464_5e-8), (0x7c00, f32::INFINITY)];
+        for (bits, number) in halves {
+            assert_eq!(read(Scalar::F16, &bits.to_le_bytes()), number, "{bits:x}");
+        }
+        assert!(read(Scalar::F16, &0x7e00_u16.to_le_bytes()).is_nan());
     }
 
     #[test]

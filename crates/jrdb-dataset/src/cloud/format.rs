@@ -6,7 +6,7 @@ use jrdb_types::PointCloud;
 
 use super::bin::BinLayout;
 use super::error::CloudError;
-use super::fields::{Fields, filled};
+use super::fields::{Fields, Notes, filled};
 use super::{bin, npy, pcd, ply};
 
 /// A file format of point clouds.
@@ -32,11 +32,12 @@ impl Format {
     ///
     /// assert_eq!(Format::of(Path::new("000000.ply")), Some(Format::Ply));
     /// assert_eq!(Format::of(Path::new("sweep.pcd.bin")), Some(Format::Bin(BinLayout::NuScenes)));
+    /// assert_eq!(Format::of(Path::new("000000.PCD")), Some(Format::Pcd));
     /// assert_eq!(Format::of(Path::new("000000.las")), None);
     /// ```
     #[must_use]
     pub fn of(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()? {
+        match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "pcd" => Some(Self::Pcd),
             "bin" => Some(Self::Bin(BinLayout::of(path))),
             "npy" => Some(Self::Npy),
@@ -60,13 +61,12 @@ impl Format {
         fields: Fields,
         block: &mut Vec<u8>,
         cloud: &mut PointCloud,
-    ) -> Result<(), CloudError> {
-        match self {
+    ) -> Result<Notes, CloudError> {
+        Ok(match self {
             Self::Pcd => pcd::fill(bytes, fields, block, cloud)?,
             Self::Bin(layout) => bin::fill(bytes, layout, fields, cloud)?,
             Self::Npy => npy::fill(bytes, fields, cloud)?,
             Self::Ply => ply::fill(bytes, fields, cloud)?,
-        }
-        Ok(())
+        })
     }
 }

@@ -15,13 +15,15 @@ mod columns;
 mod error;
 mod fields;
 mod format;
+mod plausible;
 mod reader;
 
-pub use bin::{BinError, BinLayout};
+pub use bin::{BinError, BinLayout, CloudColumns};
 pub use error::CloudError;
 pub use fields::Fields;
 pub use format::Format;
 pub use npy::NpyError;
 pub use pcd::PcdError;
+pub use plausible::{Implausible, implausible};
 pub use ply::PlyError;
 pub use reader::{Reader, read};

@@ -4,9 +4,11 @@ use std::path::Path;
 
 use jrdb_types::PointCloud;
 
+use super::bin::{self, CloudColumns};
 use super::buffers::Buffers;
 use super::columns::empty;
-use super::fields::{Fields, filled};
+use super::error::CloudError;
+use super::fields::{Fields, Notes, filled};
 use super::format::Format;
 use super::pcd;
 use crate::{Error, file};
@@ -42,9 +44,23 @@ pub fn read(path: &Path, sensor: &str, fields: Fields) -> Result<PointCloud, Err
 #[derive(Debug, Clone, Default)]
 pub struct Reader {
     buffers: Buffers,
+    columns: Option<CloudColumns>,
+    notes: Notes,
 }
 
 impl Reader {
+    /// A reader that takes the points of every `.bin` and `.pcd.bin` to have these columns.
+    #[must_use]
+    pub fn with_columns(columns: CloudColumns) -> Self {
+        Self { columns: Some(columns), ..Self::default() }
+    }
+
+    /// What is odd about the file that was read last, and was used all the same; sentences without the file's name.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
     /// [`read`].
     ///
     /// # Errors
@@ -66,15 +82,24 @@ impl Reader {
         cloud: &mut PointCloud,
     ) -> Result<(), Error> {
         sensor.clone_into(&mut cloud.sensor);
-        let read = self.fill(path, fields, cloud);
-        if read.is_err() {
-            empty(cloud);
+        self.notes.clear();
+        match self.fill(path, fields, cloud) {
+            Ok(notes) => self.notes = notes,
+            Err(error) => {
+                empty(cloud);
+                return Err(error);
+            }
         }
-        read
+        Ok(())
     }
 
     /// Reads a file into a cloud, whatever it held.
-    fn fill(&mut self, path: &Path, fields: Fields, cloud: &mut PointCloud) -> Result<(), Error> {
+    fn fill(
+        &mut self,
+        path: &Path,
+        fields: Fields,
+        cloud: &mut PointCloud,
+    ) -> Result<Notes, Error> {
         let format = Format::of(path).ok_or_else(|| {
             let name = path.file_name().unwrap_or_default();
             Error::content(path, "a .pcd, .bin, .pcd.bin, .npy or .ply file", format!("{name:?}"))
@@ -84,7 +109,12 @@ impl Reader {
         }
         let Buffers { bytes, block } = &mut self.buffers;
         file::read_into(path, bytes)?;
-        let filled = format.fill(bytes, fields, block, cloud);
+        let filled = match (format, &self.columns) {
+            (Format::Bin(_), Some(columns)) => {
+                bin::fill_stated(bytes, columns, fields, cloud).map_err(CloudError::from)
+            }
+            _ => format.fill(bytes, fields, block, cloud),
+        };
         filled.map_err(|source| Error::Cloud { path: path.into(), source })
     }
 }

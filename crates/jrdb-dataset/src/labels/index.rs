@@ -9,12 +9,13 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use std::sync::Arc;
 
 use serde::Deserialize;
 use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, Visitor};
 
 use super::raw::{Label, Trouble, objects};
-use crate::{Error, file};
+use crate::{Error, file, json};
 
 /// What a label file should be.
 const EXPECTED: &str = "labels by frame, {\"labels\": {\"000000.jpg\": [..]}}";
@@ -26,6 +27,8 @@ type Span = (u64, u64);
 #[derive(Debug, Clone)]
 pub(super) struct LabelFile<T> {
     path: PathBuf,
+    /// The text, where it is not what the file's bytes are: decoded, or with numbers that JSON has not.
+    text: Option<Arc<str>>,
     /// The parts of each frame, by their keys: a frame may have several, such as `7.jpg` and `000007.jpg`.
     frames: BTreeMap<u32, BTreeMap<String, Span>>,
     labels: PhantomData<T>,
@@ -35,17 +38,32 @@ impl<T: Label> LabelFile<T> {
     /// Reads a file through once; a file that is not there has no frames.
     pub(super) fn open(path: &Path) -> Result<Self, Error> {
         let mut frames: BTreeMap<u32, BTreeMap<String, Span>> = BTreeMap::new();
+        let mut text = None;
         if path.is_file() {
             let unreadable = |source| Error::Read { path: path.into(), source };
             let bytes = BufReader::new(File::open(path).map_err(unreadable)?);
             let wrong = |source| Error::Json { expected: EXPECTED, path: path.into(), source };
-            for (key, span) in spans(bytes).map_err(wrong)? {
+            let spans = match spans(bytes) {
+                Ok(spans) => spans,
+                Err(_) => {
+                    let tolerant: Arc<str> = json::tolerant(&file::read_text(path)?).into();
+                    let found = self::spans(tolerant.as_bytes()).map_err(wrong)?;
+                    text = Some(tolerant);
+                    found
+                }
+            };
+            let first = spans.first().map(|(key, _)| format!("{key:?}"));
+            for (key, span) in spans {
                 if let Some(frame) = file::frame_number(&key) {
                     frames.entry(frame).or_default().insert(key, span);
                 }
             }
+            if let (true, Some(key)) = (frames.is_empty(), first) {
+                let expected = "frames named by their numbers, such as 000012.jpg";
+                return Err(Error::content(path, expected, key));
+            }
         }
-        Ok(Self { path: path.into(), frames, labels: PhantomData })
+        Ok(Self { path: path.into(), text, frames, labels: PhantomData })
     }
 
     /// The numbers of the frames.
@@ -74,10 +92,15 @@ impl<T: Label> LabelFile<T> {
     }
 
     fn text(&self, (start, length): Span) -> std::io::Result<String> {
-        let mut file = File::open(&self.path)?;
-        file.seek(SeekFrom::Start(start))?;
         let mut text = String::new();
-        file.take(length).read_to_string(&mut text)?;
+        if let Some(whole) = &self.text {
+            let (start, length) = (start as usize, length as usize);
+            text.push_str(whole.get(start..start + length).unwrap_or_default());
+        } else {
+            let mut file = File::open(&self.path)?;
+            file.seek(SeekFrom::Start(start))?;
+            file.take(length).read_to_string(&mut text)?;
+        }
         // Behind a value that is not a list, what ends it was read, too.
         Ok(text.trim().trim_end_matches([',', '}']).to_string())
     }

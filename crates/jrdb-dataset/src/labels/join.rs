@@ -118,7 +118,7 @@ impl<'a> Joined<'a> {
         let mut interactions = Vec::new();
         for entry in label.interactions.0.iter().flatten() {
             let partner: EntityId = match entry.pair.parse() {
-                Ok(partner) => partner,
+                Ok(partner) => boxes::usual_id(partner),
                 Err(error) => {
                     self.bad_label(Some(id), &format!("interaction: {error}"));
                     continue;

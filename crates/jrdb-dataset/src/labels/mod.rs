@@ -16,7 +16,7 @@ use jrdb_types::{
     Attribute, Capabilities, Detections, FrameId, ImageGeometry, Issue, IssueKind, Vocabulary,
 };
 
-use crate::Error;
+use crate::{Error, file};
 use index::LabelFile;
 use raw::{BoxLabel, SocialLabel, SpaceLabel};
 
@@ -46,7 +46,8 @@ pub struct SequenceLabels {
 impl SequenceLabels {
     /// Reads whichever of the three files are there; `labels` is the folder that holds theirs.
     pub(crate) fn read(labels: &Path, sequence: &str) -> Result<Self, Error> {
-        let path = |folder: &str| labels.join(folder).join(format!("{sequence}.json"));
+        let name = format!("{sequence}.json");
+        let path = |folder: &str| file::named(&labels.join(folder), &name);
         let paths = [BOXES, SPACE, SOCIAL].map(path);
         if !paths.iter().any(|path| path.is_file()) {
             let expected = format!("{BOXES}, {SPACE} or {SOCIAL} of {sequence:?}");

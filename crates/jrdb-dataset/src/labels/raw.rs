@@ -7,6 +7,7 @@ use serde::Deserialize;
 use serde::de::{DeserializeOwned, Deserializer, IgnoredAny, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
+use crate::boxes;
 use crate::number::Real;
 
 /// Why an object could not be read.
@@ -21,9 +22,15 @@ pub(super) trait Label: DeserializeOwned {
     fn id(&self) -> &EntityId;
 }
 
+/// An id, with a person's class in the case in which JRDB writes it.
+fn id<'de, D: Deserializer<'de>>(deserializer: D) -> Result<EntityId, D::Error> {
+    EntityId::deserialize(deserializer).map(boxes::usual_id)
+}
+
 /// An object of `labels_2d_stitched`.
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct BoxLabel {
+    #[serde(deserialize_with = "id")]
     label_id: EntityId,
     #[serde(rename = "box")]
     pub(super) bbox: [Real; 4],
@@ -39,6 +46,7 @@ pub(super) struct BoxAttributes {
 /// An object of `labels_3d`.
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct SpaceLabel {
+    #[serde(deserialize_with = "id")]
     label_id: EntityId,
     #[serde(rename = "box")]
     pub(super) bbox: SpaceBox,
@@ -59,6 +67,7 @@ pub(super) struct SpaceBox {
 /// An object of `labels_2d_activity_social_stitched`.
 #[derive(Debug, Clone, Deserialize)]
 pub(super) struct SocialLabel {
+    #[serde(deserialize_with = "id")]
     label_id: EntityId,
     #[serde(default, rename = "box")]
     pub(super) bbox: Loose<[Real; 4]>,
@@ -193,5 +202,6 @@ fn object<T: Label>(text: &str) -> Result<T, Trouble> {
 
 #[derive(Deserialize)]
 struct Named {
+    #[serde(deserialize_with = "id")]
     label_id: EntityId,
 }

@@ -19,9 +19,16 @@ pub(crate) trait JrdbWord: Copy + 'static {
         Self::PAIRS.iter().find(|(word, _)| *word == self).map_or(IMPOSSIBLE, |(_, label)| label)
     }
 
+    /// The word of ours for a label, in whatever case and with blanks or underscores between its parts.
     fn from_jrdb_word(label: &str) -> Option<Self> {
-        Self::PAIRS.iter().find(|(_, known)| *known == label).map(|(word, _)| *word)
+        let label = plain(label);
+        Self::PAIRS.iter().find(|(_, known)| plain(known) == label).map(|(word, _)| *word)
     }
+}
+
+/// A label in small letters with blanks.
+fn plain(label: &str) -> String {
+    label.trim().to_ascii_lowercase().replace('_', " ")
 }
 
 impl JrdbWord for Age {
@@ -47,7 +54,9 @@ impl JrdbWord for Race {
     ];
 
     fn from_jrdb_word(label: &str) -> Option<Self> {
-        Self::from_word(label.rsplit('/').next()?)
+        let last = plain(label.rsplit('/').next()?);
+        let is_it = |known: &str| known.rsplit('/').next().is_some_and(|word| plain(word) == last);
+        Self::PAIRS.iter().find(|(_, known)| is_it(known)).map(|(word, _)| *word)
     }
 }
 
@@ -78,6 +87,16 @@ impl JrdbWord for Occlusion {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_are_known_in_any_case() {
+        assert_eq!(Gender::from_jrdb_word("female"), Some(Gender::Female));
+        assert_eq!(Age::from_jrdb_word("YOUNG ADULTHOOD"), Some(Age::Young));
+        assert_eq!(Race::from_jrdb_word("mongoloid/asian"), Some(Race::Asian));
+        assert_eq!(Action::from_jrdb_word("Going_Upstairs"), Some(Action::GoingUp));
+        assert_eq!(Occlusion::from_jrdb_word("fully_visible"), Some(Occlusion::FullyVisible));
+        assert_eq!(Gender::from_jrdb_word("impossible"), None);
+    }
     use std::fmt::Debug;
 
     fn check_round_trip<T: JrdbWord + PartialEq + Debug>(all: &[T]) {

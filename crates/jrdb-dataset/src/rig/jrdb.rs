@@ -66,7 +66,7 @@ struct Size {
 /// Those of [`OfficialCalibration::read`], and [`Error::Content`] for a view without 9 finite numbers as R or 3 as T.
 pub fn jrdb_refined(calibration_folder: &Path) -> Result<Rig, Error> {
     let official = OfficialCalibration::read(calibration_folder)?;
-    let path = calibration_folder.join("cameras.yaml");
+    let path = file::named(calibration_folder, "cameras.yaml");
     let file: ViewsFile = file::read_yaml(&path, "camera calibrations")?;
     let lens = StitchedCylindrical {
         width_px: official.panorama.width_px,
@@ -128,9 +128,9 @@ fn find<'a, T>(
 /// many or not finite, and for a K or `cam2ego` of another form.
 pub fn jrdb_cameras(calibration_folder: &Path) -> Result<Rig, Error> {
     let official = OfficialCalibration::read(calibration_folder)?;
-    let sizes_path = calibration_folder.join("cameras.yaml");
+    let sizes_path = file::named(calibration_folder, "cameras.yaml");
     let sizes: SizesFile = file::read_yaml(&sizes_path, "cameras with width and height")?;
-    let path = calibration_folder.join("lidars.yaml");
+    let path = file::named(calibration_folder, "lidars.yaml");
     let sensors: BTreeMap<String, Value> = file::read_yaml(&path, "sensors with D and cam2ego")?;
     let (mut transforms, mut cameras) = (Vec::new(), Vec::new());
     for sensor in PANORAMA_SENSORS {

@@ -1,10 +1,12 @@
 //! Rigs of any robot: our own rig files, and the calibration files of JRDB, KITTI and nuScenes.
 
+mod foreign;
 mod jrdb;
 mod kitti;
 mod matrix;
 mod nuscenes;
 mod pinhole;
+mod plausible;
 
 use std::path::Path;
 
@@ -13,11 +15,14 @@ use jrdb_types::{ArtefactError, Camera, LensModel, Lidar, Rig, Transform};
 use serde::de::{DeserializeOwned, Error as _};
 use serde_json::{Map, Value};
 
+pub use foreign::{ForeignCamera, camera_file};
 pub use jrdb::{jrdb_cameras, jrdb_refined};
 pub use kitti::kitti;
 pub use nuscenes::{Calibrations, nuscenes};
+pub(crate) use plausible::check;
+pub use plausible::doubts;
 
-use crate::{Error, file};
+use crate::{Error, file, json};
 
 /// Reads a rig file: a `jrdb.rig` artefact as `.json`, `.yaml` or `.yml`.
 ///
@@ -44,18 +49,25 @@ use crate::{Error, file};
 /// # Errors
 /// [`Error::Read`]; [`Error::Json`] or [`Error::Yaml`] where the text is neither; [`Error::Content`] for a file with
 /// another ending; [`Error::Artefact`] for another artefact, another version of it, or data that are no rig: then
-/// with the place of the first thing that is wrong, as `data.cameras[0].lens.fx`.
+/// with the place of the first thing that is wrong, as `data.cameras[0].lens.fx`. [`Error::Content`], too, for numbers that are
+/// of another unit: angles beyond 2 π, mounts beyond 10 m, focal lengths below 10 px; and for a camera calibration of ROS, Kalibr or
+/// OpenCV.
 pub fn read(path: &Path) -> Result<Rig, Error> {
     const EXPECTED: &str = "a jrdb.rig artefact";
-    let value: Value = match path.extension().and_then(|extension| extension.to_str()) {
-        Some("json") => file::read_json(path, EXPECTED)?,
-        Some("yaml" | "yml") => file::read_yaml(path, EXPECTED)?,
+    let value: Value = match file::extension(path).as_str() {
+        "json" => json::read(path, EXPECTED)?,
+        "yaml" | "yml" => file::read_yaml(path, EXPECTED)?,
         _ => {
             let name = path.file_name().unwrap_or_default();
             return Err(Error::content(path, "a .json, .yaml or .yml file", format!("{name:?}")));
         }
     };
-    from_value(value).map_err(|source| Error::Artefact { path: path.into(), source })
+    if let Some(kind) = foreign::kind(&value) {
+        return Err(Error::content(path, EXPECTED, kind));
+    }
+    let rig = from_value(value).map_err(|source| Error::Artefact { path: path.into(), source })?;
+    check(&rig, path)?;
+    Ok(rig)
 }
 
 /// The rig in an artefact of which the name and the version are checked first.

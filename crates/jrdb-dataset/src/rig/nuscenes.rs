@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::pinhole::pinhole;
 use crate::number::exactly_in;
-use crate::{Error, file};
+use crate::{Error, file, json};
 
 /// nuScenes' base frame: x forward, y left, z up, on the ground below the rear axle.
 const EGO: &str = "ego";
@@ -35,7 +35,7 @@ pub enum Calibrations<'a> {
     Tokens(&'a [&'a str]),
 }
 
-/// The rig of a folder with nuScenes' tables `sensor.json`, `calibrated_sensor.json` and `sample_data.json`.
+/// The rig of a folder with nuScenes' tables `sensor.json`, `calibrated_sensor.json` and `sample_data.json`, or of one above it.
 ///
 /// The base frame is `ego`. Every camera and LiDAR that has data is part of the rig, in a frame of its channel's name; radars
 /// are not. The cameras are rectified pinholes as large as `sample_data` says, `CAM_FRONT` first, then by name. Quaternions are
@@ -46,7 +46,7 @@ pub enum Calibrations<'a> {
 /// tokens), when something unknown is asked for, for numbers that are too few, too many or not finite, a camera matrix
 /// of another form, and a camera whose pictures have no size or several.
 pub fn nuscenes(folder: &Path, calibrations: Calibrations<'_>) -> Result<Rig, Error> {
-    let tables = Tables::read(folder, calibrations)?;
+    let tables = Tables::read(&folder_of_tables(folder)?, calibrations)?;
     let mut rig = Rig { base: EGO.into(), transforms: vec![], cameras: vec![], lidars: vec![] };
     for (sensor, calibrated) in tables.one_for_each_channel()? {
         let (name, frame) = (sensor.channel.clone(), sensor.channel.clone());
@@ -61,7 +61,27 @@ pub fn nuscenes(folder: &Path, calibrations: Calibrations<'_>) -> Result<Rig, Er
         rig.transforms.push(tables.transform(&sensor.channel, calibrated)?);
     }
     rig.cameras.sort_by(|a, b| (a.name != FORWARD, &a.name).cmp(&(b.name != FORWARD, &b.name)));
+    super::plausible::check(&rig, &tables.path)?;
     Ok(rig)
+}
+
+/// The folder itself, or the only one in it that has the tables, such as `v1.0-mini`.
+fn folder_of_tables(folder: &Path) -> Result<PathBuf, Error> {
+    let has_tables = |folder: &Path| folder.join(SAMPLE_DATA).is_file();
+    if has_tables(folder) {
+        return Ok(folder.into());
+    }
+    let inner: Vec<PathBuf> =
+        file::list(folder)?.into_iter().filter(|inner| has_tables(inner)).collect();
+    match &inner[..] {
+        [] => Ok(folder.into()), // whose missing table is named when it is read
+        [only] => Ok(only.clone()),
+        _ => {
+            let names = inner.iter().filter_map(|path| path.file_name()?.to_str());
+            let found = names.collect::<Vec<_>>().join(" and ");
+            Err(Error::content(folder, "one folder with tables", found))
+        }
+    }
 }
 
 /// A row of `sensor.json`.
@@ -109,9 +129,9 @@ impl Tables {
     fn read(folder: &Path, calibrations: Calibrations<'_>) -> Result<Self, Error> {
         let sizes_px = read_sizes(&folder.join(SAMPLE_DATA), calibrations)?;
         let sensors: Vec<Sensor> =
-            file::read_json(&folder.join("sensor.json"), "rows of token, channel and modality")?;
+            json::read(&folder.join("sensor.json"), "rows of token, channel and modality")?;
         let path = folder.join("calibrated_sensor.json");
-        let mut calibrated: Vec<Calibrated> = file::read_json(
+        let mut calibrated: Vec<Calibrated> = json::read(
             &path,
             "rows of token, sensor_token, translation, rotation and camera_intrinsic",
         )?;

@@ -7,15 +7,17 @@ use super::error::PcdError;
 use super::header::{Header, Kept};
 use super::lzf::{self, Decompressor};
 use crate::cloud::ascii::{self, Word};
-use crate::cloud::columns::{ByteOrder, Column, Columns, Growing};
-use crate::cloud::fields::{Fields, filled};
+use crate::cloud::columns::{ByteOrder, Column, Columns, Growing, empty};
+use crate::cloud::fields::{Fields, Notes, filled, other_count, whole_coordinates};
 
 /// Parses a PCD file as the sweep of a sensor.
 ///
-/// `x`, `y` and `z` must be 4- or 8-byte floats. `intensity` is kept when it is a float or an unsigned
+/// `x`, `y` and `z` are numbers of any type. `intensity` is kept when it is a float or an unsigned
 /// integer of at most 2 bytes; other fields are passed over. Points with a non-finite coordinate are
 /// left out and counted in [`PointCloud::skipped`]. Bytes after the last point are ignored in the
-/// binary encodings.
+/// binary encodings. What PCL reads of old and careless files is read: `COLUMNS`, no `SIZE`, `TYPE` or `COUNT`
+/// (4-byte floats), keywords and field names in any case, a byte order mark, a block that is stored as it is, and an ASCII file
+/// with a few lines more or fewer than it states.
 ///
 /// ```
 /// let text = "VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n\
@@ -36,21 +38,23 @@ pub(in crate::cloud) fn fill(
     fields: Fields,
     block: &mut Vec<u8>,
     cloud: &mut PointCloud,
-) -> Result<(), PcdError> {
+) -> Result<Notes, PcdError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
     let rows = header.points as usize; // of a binary body, which is checked to have them
     let little = ByteOrder::Little;
+    let mut notes = header.notes();
     match header.encoding {
-        Encoding::Ascii => read_ascii(&header, body, cloud)?,
+        Encoding::Ascii => notes.extend(read_ascii(&header, body, cloud)?),
         Encoding::Binary => {
             let body = body.get(..header.body_bytes(body.len())?).unwrap_or_default();
             let columns = header.columns(|kept| (kept.offset, header.row_bytes));
             columns.fill(body, rows, little, cloud);
         }
+        Encoding::BinaryCompressed if header.points == 0 => empty(cloud),
         Encoding::BinaryCompressed => fill_compressed(&header, body, block, cloud)?,
     }
-    Ok(())
+    Ok(notes)
 }
 
 impl Header {
@@ -58,6 +62,12 @@ impl Header {
     pub(super) fn with(self, fields: Fields) -> Self {
         let intensity = self.intensity.filter(|_| fields == Fields::All);
         Self { intensity, ..self }
+    }
+
+    /// What is odd about the header.
+    pub(super) fn notes(&self) -> Notes {
+        let whole = self.has_whole_coordinates().then(|| whole_coordinates("TYPE I or U"));
+        whole.into_iter().collect()
     }
 
     /// The columns, given each one's start and stride.
@@ -80,7 +90,12 @@ impl Header {
     }
 }
 
-fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PcdError> {
+/// Reads the points of an ASCII body; a note where they are more or fewer than stated.
+fn read_ascii(
+    header: &Header,
+    body: &[u8],
+    cloud: &mut PointCloud,
+) -> Result<Option<String>, PcdError> {
     let (mut rows, words) = (ascii::Rows::new(body), header.words());
     let (mut points, mut found) = (ascii::Points::new(cloud, header.intensity.is_some()), 0);
     let mut row = [0.0; 4];
@@ -94,11 +109,12 @@ fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<()
         points.push(&row);
         found += 1;
     }
-    if found as u64 != header.points {
-        return Err(PcdError::WrongCount { expected: header.points, found });
-    }
     points.finish();
-    Ok(())
+    if found as u64 == header.points {
+        return Ok(None);
+    }
+    let note = other_count(header.points, found as u64);
+    note.map(Some).ok_or(PcdError::WrongCount { expected: header.points, found })
 }
 
 /// Rows of a column that are decompressed before they are decoded: they are then still in the first-level cache.
@@ -113,26 +129,56 @@ fn fill_compressed(
 ) -> Result<(), PcdError> {
     let expected = header.body_bytes(body.len().saturating_mul(lzf::MAX_RATIO))?;
     let stream = compressed(body, expected)?;
-    let bad = || bad_compression(expected, "a stream that stands for others".into());
     let rows = header.points as usize; // no more than the block is found to have
     let columns = header.columns(|kept| (kept.offset * rows, kept.scalar.size()));
+    if unpack(columns, rows, Packed { stream, expected }, block, cloud).is_some() {
+        return Ok(());
+    }
+    if stream.len() == expected {
+        // What does not become shorter is stored as it is by some programs.
+        columns.fill(stream, rows, ByteOrder::Little, cloud);
+        return Ok(());
+    }
+    Err(bad_compression(expected, "a stream that stands for others".into()))
+}
+
+/// A compressed block, and the bytes that it should stand for.
+struct Packed<'a> {
+    stream: &'a [u8],
+    expected: usize,
+}
+
+/// Decompresses columns piece by piece and decodes each piece at once; none when the stream is not one of LZF.
+fn unpack(
+    columns: Columns,
+    rows: usize,
+    Packed { stream, expected }: Packed<'_>,
+    block: &mut Vec<u8>,
+    cloud: &mut PointCloud,
+) -> Option<()> {
     let columns_in_order = columns.in_order();
     let ends = columns_in_order.iter().map(|(_, column)| column.start + rows * column.stride);
     let end = ends.max().unwrap_or(0).min(expected);
-    let mut block = Decompressor::new(stream, expected, end, block).ok_or_else(bad)?;
+    let mut block = Decompressor::new(stream, expected, end, block)?;
     let mut growing = Growing::new(columns, rows, ByteOrder::Little, cloud);
     for (axis, column) in columns_in_order {
         for first in (0..rows).step_by(PIECE_ROWS) {
             let count = PIECE_ROWS.min(rows - first);
             let end = column.start + (first + count) * column.stride;
-            let body = block.first(end).ok_or_else(bad)?;
-            growing.append_axis(axis, body, first, count);
+            growing.append_axis(axis, block.first(end)?, first, count);
         }
     }
-    block.first(end).ok_or_else(bad)?;
+    block.first(end)?;
     growing.finish();
-    Ok(())
+    Some(())
 }
+
+/// A block larger than this is refused when its stream is so short that nearly all points must be alike.
+const MAX_BYTES_OF_ANY_RATIO: usize = 32 << 20;
+/// Most bytes that a byte of a stream may stand for in a large block. Sweeps reach 2; those with nothing but zeros, 88.
+const MAX_LARGE_RATIO: usize = 16;
+/// Largest block: more points than any sweep has.
+const MAX_BLOCK_BYTES: usize = 1 << 30;
 
 /// The compressed bytes of a body that says how many they are and what they stand for.
 fn compressed(body: &[u8], expected: usize) -> Result<&[u8], PcdError> {
@@ -146,9 +192,16 @@ fn compressed(body: &[u8], expected: usize) -> Result<&[u8], PcdError> {
     if size(4) != expected {
         return Err(bad_compression(expected, format!("one that states {}", size(4))));
     }
-    rest.get(..size(0)).ok_or_else(|| {
+    let stream = rest.get(..size(0)).ok_or_else(|| {
         bad_compression(expected, format!("{} of {} compressed bytes", rest.len(), size(0)))
-    })
+    })?;
+    let is_bomb = expected > MAX_BYTES_OF_ANY_RATIO
+        && expected > stream.len().saturating_mul(MAX_LARGE_RATIO);
+    if is_bomb || expected > MAX_BLOCK_BYTES {
+        let found = format!("{} compressed bytes, too few for points of a sweep", stream.len());
+        return Err(bad_compression(expected, found));
+    }
+    Ok(stream)
 }
 
 fn bad_compression(expected: usize, found: String) -> PcdError {
@@ -257,6 +310,72 @@ mod tests {
         for (text, expected) in cases {
             assert_eq!(error(&text), expected);
         }
+    }
+
+    /// The notes on a file that can be read, and its points.
+    fn noted(bytes: &[u8]) -> (Notes, usize) {
+        let mut cloud = PointCloud::default();
+        let notes = fill(bytes, Fields::All, &mut Vec::new(), &mut cloud).unwrap();
+        (notes, cloud.len())
+    }
+
+    #[test]
+    fn a_line_more_or_fewer_than_stated_is_noted() {
+        let header = "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 20\nHEIGHT 1";
+        assert_eq!(noted(ascii(header, &"1 2 3\n".repeat(20)).as_bytes()), (vec![], 20));
+        for found in [19, 21] {
+            let (notes, points) = noted(ascii(header, &"1 2 3\n".repeat(found)).as_bytes());
+            let expected = format!("expected 20 points as stated, found {found}, which are used");
+            assert_eq!((notes, points), (vec![expected], found));
+        }
+        assert_eq!(error(&ascii(header, &"1 2 3\n".repeat(9))), "expected 20 points, found 9");
+    }
+
+    #[test]
+    fn whole_coordinates_of_every_type_are_read_and_noted() {
+        for (kind, size) in
+            [("I", 1), ("I", 2), ("I", 4), ("I", 8), ("U", 1), ("U", 2), ("U", 4), ("U", 8)]
+        {
+            let header = format!(
+                "FIELDS x y z\nSIZE {size} {size} {size}\nTYPE {kind} {kind} {kind}\nWIDTH 1\nHEIGHT 1\nDATA binary\n"
+            );
+            let number = |low: u8| [&[low][..], &vec![0; size - 1]].concat();
+            let bytes = [header.into_bytes(), number(1), number(2), number(3)].concat();
+            let cloud = parse(&bytes, "s").unwrap();
+            assert_eq!((cloud.x[0], cloud.y[0], cloud.z[0]), (1.0, 2.0, 3.0), "{kind}{size}");
+            assert!(noted(&bytes).0[0].contains("whole numbers"));
+        }
+    }
+
+    #[test]
+    fn a_stored_block_is_read_as_it_is() {
+        let cloud = PointCloud {
+            sensor: "s".into(),
+            x: vec![1.5, -2.25, 3.0],
+            y: vec![0.1, 0.2, 0.3],
+            z: vec![-1.0, -1.5, 7.75],
+            ..PointCloud::default()
+        };
+        let columns = [&cloud.x, &cloud.y, &cloud.z].into_iter().flatten();
+        let block: Vec<u8> = columns.flat_map(|v| v.to_le_bytes()).collect();
+        let head =
+            "FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nWIDTH 3\nHEIGHT 1\nDATA binary_compressed\n";
+        let size = (block.len() as u32).to_le_bytes();
+        let bytes = [head.as_bytes(), &size, &size, &block].concat();
+        assert_eq!(parse(&bytes, "s").unwrap(), cloud);
+        let empty = head.replace("WIDTH 3", "WIDTH 0");
+        assert!(parse(empty.as_bytes(), "s").unwrap().is_empty(), "without sizes");
+    }
+
+    #[test]
+    fn a_short_stream_for_a_large_block_is_refused() {
+        let rows = 4_000_000;
+        let head = format!("FIELDS x y z\nWIDTH {rows}\nHEIGHT 1\nDATA binary_compressed\n");
+        let stream = [&[0, 0][..], &[0xe0, 0xff, 0].repeat(12 * rows / 264)].concat();
+        let sizes = [stream.len() as u32, 12 * rows as u32].map(u32::to_le_bytes).concat();
+        let text =
+            parse(&[head.as_bytes(), &sizes, &stream].concat(), "s").unwrap_err().to_string();
+        assert!(text.ends_with("compressed bytes, too few for points of a sweep"), "{text}");
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! The text in front of the points: which fields there are, of what type, and where.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use super::encoding::Encoding;
 use super::error::PcdError;
 use crate::cloud::columns::Scalar;
-use crate::cloud::fields::excerpt;
+use crate::cloud::fields::{excerpt, without_mark};
 
 /// What a PCD header says, as far as a cloud needs it.
 pub(super) struct Header {
@@ -43,26 +44,42 @@ struct Field {
 
 fn scalar(letter: &str, size: usize) -> Option<Scalar> {
     match (letter, size) {
+        ("F", 2) => Some(Scalar::F16),
         ("F", 4) => Some(Scalar::F32),
         ("F", 8) => Some(Scalar::F64),
+        ("I", 1) => Some(Scalar::I8),
+        ("I", 2) => Some(Scalar::I16),
+        ("I", 4) => Some(Scalar::I32),
+        ("I", 8) => Some(Scalar::I64),
         ("U", 1) => Some(Scalar::U8),
         ("U", 2) => Some(Scalar::U16),
+        ("U", 4) => Some(Scalar::U32),
+        ("U", 8) => Some(Scalar::U64),
         _ => None,
     }
 }
 
-/// Keywords that matter; those that do not are `VERSION` and `VIEWPOINT`.
-const KEYWORDS: [&str; 7] = ["FIELDS", "SIZE", "TYPE", "COUNT", "WIDTH", "HEIGHT", "POINTS"];
+/// Keywords that matter, with the names they have in files; those that do not are `VERSION` and `VIEWPOINT`.
+const KEYWORDS: [(&str, &str); 8] = [
+    ("FIELDS", "FIELDS"),
+    ("COLUMNS", "FIELDS"),
+    ("SIZE", "SIZE"),
+    ("TYPE", "TYPE"),
+    ("COUNT", "COUNT"),
+    ("WIDTH", "WIDTH"),
+    ("HEIGHT", "HEIGHT"),
+    ("POINTS", "POINTS"),
+];
 
 /// The header's lines: the words after each keyword.
 #[derive(Default)]
-struct Lines<'a>(BTreeMap<&'a str, Vec<&'a str>>);
+struct Lines(BTreeMap<&'static str, Vec<String>>);
 
 impl Header {
     /// Reads the header and gives back what follows it.
     pub(super) fn parse(bytes: &[u8]) -> Result<(Self, &[u8]), PcdError> {
         let mut lines = Lines::default();
-        let mut rest = bytes;
+        let mut rest = without_mark(bytes);
         loop {
             let (line, after) = split_line(rest)?;
             rest = after;
@@ -70,14 +87,22 @@ impl Header {
             let Some(keyword) = words.next().filter(|word| !word.starts_with('#')) else {
                 continue;
             };
-            let words: Vec<&str> = words.collect();
-            match keyword {
+            let words: Vec<String> = words.map(String::from).collect();
+            match keyword.to_ascii_uppercase().as_str() {
                 "VERSION" | "VIEWPOINT" => {}
                 "DATA" => return Ok((lines.header(encoding(&words)?)?, rest)),
-                _ if KEYWORDS.contains(&keyword) => drop(lines.0.insert(keyword, words)),
-                _ => return Err(bad("a PCD keyword", line)),
+                keyword => {
+                    let known = KEYWORDS.iter().find(|(name, _)| *name == keyword);
+                    let (_, meaning) = known.ok_or_else(|| bad("a PCD keyword", &line))?;
+                    lines.0.insert(meaning, words);
+                }
             }
         }
+    }
+
+    /// Whether a coordinate is a whole number.
+    pub(super) fn has_whole_coordinates(&self) -> bool {
+        self.xyz.iter().any(|kept| !kept.scalar.is_float())
     }
 
     /// Bytes of all points, if no more than there are.
@@ -90,42 +115,54 @@ impl Header {
     }
 }
 
-fn split_line(bytes: &[u8]) -> Result<(&str, &[u8]), PcdError> {
+/// The next line and what follows it. Only the last line, `DATA`, may lack its end.
+fn split_line(bytes: &[u8]) -> Result<(Cow<'_, str>, &[u8]), PcdError> {
     let no_header = |found: &str| PcdError::NoHeader { found: found.into() };
-    let end = bytes.iter().position(|&b| b == b'\n').ok_or_else(|| {
-        no_header(if bytes.is_empty() { "the end of the file" } else { "no end of a line" })
-    })?;
-    let line =
-        std::str::from_utf8(&bytes[..end]).map_err(|_| no_header("a line that is not text"))?;
-    Ok((line, &bytes[end + 1..]))
+    let (line, rest) = match bytes.iter().position(|&b| b == b'\n') {
+        Some(end) => (&bytes[..end], &bytes[end + 1..]),
+        None if bytes.is_empty() => return Err(no_header("the end of the file")),
+        None if bytes.len() <= MAX_LAST_LINE && bytes.starts_with(b"DATA") => (bytes, &[][..]),
+        None => return Err(no_header("no end of a line")),
+    };
+    Ok((String::from_utf8_lossy(line), rest))
 }
 
 fn bad(expected: &'static str, found: impl AsRef<str>) -> PcdError {
     PcdError::BadHeader { expected, found: excerpt(found.as_ref()) }
 }
 
-fn encoding(words: &[&str]) -> Result<Encoding, PcdError> {
-    match words {
-        ["ascii"] => Ok(Encoding::Ascii),
-        ["binary"] => Ok(Encoding::Binary),
-        ["binary_compressed"] => Ok(Encoding::BinaryCompressed),
+fn encoding(words: &[String]) -> Result<Encoding, PcdError> {
+    match words.join(" ").to_ascii_lowercase().as_str() {
+        "ascii" => Ok(Encoding::Ascii),
+        "binary" => Ok(Encoding::Binary),
+        "binary_compressed" => Ok(Encoding::BinaryCompressed),
         _ => Err(bad("DATA ascii, binary or binary_compressed", words.join(" "))),
     }
 }
 
-impl Lines<'_> {
+/// The words that stand for a keyword which is absent: the values that PCL takes then.
+const DEFAULT_SIZE: &str = "4";
+const DEFAULT_TYPE: &str = "F";
+const DEFAULT_COUNT: &str = "1";
+
+/// Longest last line without an end: `DATA binary_compressed` and some blanks.
+const MAX_LAST_LINE: usize = 64;
+
+impl Lines {
     fn header(&self, encoding: Encoding) -> Result<Header, PcdError> {
         let names = self.0.get("FIELDS").ok_or_else(|| bad("FIELDS", "none"))?;
         let fields = self.layout(names.len())?;
+        let place = |name: &str| {
+            let exact = names.iter().position(|found| *found == name);
+            exact.or_else(|| names.iter().position(|found| found.eq_ignore_ascii_case(name)))
+        };
         let find = |name: &str| {
-            let field = fields.get(names.iter().position(|found| *found == name)?)?;
+            let field = fields.get(place(name)?)?;
             let scalar = field.scalar.filter(|_| field.count == 1)?;
             Some(Kept { scalar, offset: field.offset, column: field.column })
         };
         let coordinate = |name: &str| {
-            find(name)
-                .filter(|kept| kept.scalar.is_float())
-                .ok_or_else(|| bad("fields x, y and z of TYPE F and SIZE 4 or 8", names.join(" ")))
+            find(name).ok_or_else(|| bad("fields x, y and z with a COUNT of 1", names.join(" ")))
         };
         Ok(Header {
             encoding,
@@ -133,45 +170,47 @@ impl Lines<'_> {
             row_bytes: fields.iter().map(|field| field.size * field.count).sum(),
             columns_per_row: fields.iter().map(|field| field.count).sum(),
             xyz: [coordinate("x")?, coordinate("y")?, coordinate("z")?],
-            intensity: find("intensity"),
+            intensity: find("intensity").filter(|kept| kept.scalar.is_strength()),
         })
     }
 
     /// Type and place of every field.
     fn layout(&self, fields: usize) -> Result<Vec<Field>, PcdError> {
-        let sizes = self.per_field("SIZE", "one SIZE for each field", fields)?;
-        let kinds = self.per_field("TYPE", "one TYPE for each field", fields)?;
-        let counts = match self.0.get("COUNT") {
-            None => &vec!["1"; fields], // the line may be absent
-            Some(_) => self.per_field("COUNT", "one COUNT for each field", fields)?,
-        };
+        let sizes = self.per_field("SIZE", "one SIZE for each field", DEFAULT_SIZE, fields)?;
+        let kinds = self.per_field("TYPE", "one TYPE for each field", DEFAULT_TYPE, fields)?;
+        let counts = self.per_field("COUNT", "one COUNT for each field", DEFAULT_COUNT, fields)?;
         let (mut offset, mut column) = (0, 0);
         let mut layout = Vec::with_capacity(fields);
-        for ((size, kind), count) in sizes.iter().zip(kinds).zip(counts) {
+        for ((size, kind), count) in sizes.into_iter().zip(kinds).zip(counts) {
             let field = field(size, kind, count, offset, column)?;
             offset += field.size * field.count;
             column += field.count;
+            if column > MAX_COLUMNS {
+                return Err(bad("at most 16384 numbers in a point", format!("{column} or more")));
+            }
             layout.push(field);
         }
         Ok(layout)
     }
 
-    fn per_field(
-        &self,
+    /// The words of a keyword, one for each field; the default where the keyword is absent.
+    fn per_field<'a>(
+        &'a self,
         keyword: &str,
         expected: &'static str,
+        default: &'a str,
         fields: usize,
-    ) -> Result<&Vec<&str>, PcdError> {
+    ) -> Result<Vec<&'a str>, PcdError> {
         match self.0.get(keyword) {
-            Some(words) if words.len() == fields => Ok(words),
+            None => Ok(vec![default; fields]),
+            Some(words) if words.len() == fields => Ok(words.iter().map(String::as_str).collect()),
             Some(words) => Err(bad(expected, words.join(" "))),
-            None => Err(bad(expected, "none")),
         }
     }
 
     fn number(&self, keyword: &str, expected: &'static str) -> Result<Option<u64>, PcdError> {
         let Some(words) = self.0.get(keyword) else { return Ok(None) };
-        let number = match words[..] {
+        let number = match &words[..] {
             [word] => word.parse().ok(),
             _ => None,
         };
@@ -196,8 +235,11 @@ impl Lines<'_> {
     }
 }
 
-/// Largest COUNT of a field: PCL's widest descriptor has 1980 numbers, and no sum of these overflows.
+/// Largest COUNT of a field.
 const MAX_COUNT: usize = 1 << 16;
+
+/// Most numbers in a point: PCL's widest descriptor has 7992.
+const MAX_COLUMNS: usize = 1 << 14;
 
 fn field(
     size: &str,
@@ -213,14 +255,15 @@ fn field(
         "8" => 8,
         _ => return Err(bad("a SIZE of 1, 2, 4 or 8", size)),
     };
-    if !matches!(kind, "F" | "I" | "U") {
+    let kind_upper = kind.to_ascii_uppercase();
+    if !matches!(kind_upper.as_str(), "F" | "I" | "U") {
         return Err(bad("a TYPE of F, I or U", kind));
     }
     let count = match count.parse() {
-        Ok(count) if (1..=MAX_COUNT).contains(&count) => count,
-        _ => return Err(bad("a COUNT of 1 to 65536", count)),
+        Ok(count) if count <= MAX_COUNT => count,
+        _ => return Err(bad("a COUNT of 0 to 65536", count)),
     };
-    Ok(Field { scalar: scalar(kind, size), size, count, offset, column })
+    Ok(Field { scalar: scalar(&kind_upper, size), size, count, offset, column })
 }
 
 #[cfg(test)]
@@ -248,6 +291,47 @@ mod tests {
         let text =
             GOOD.replace("COUNT 1 1 1\n", "").replace("POINTS 6\n", "").replace('\n', "\r\n");
         assert_eq!(Header::parse(text.as_bytes()).unwrap().0.points, 6);
+    }
+
+    #[test]
+    fn headers_of_old_and_careless_programs_are_understood() {
+        let changes = [
+            ("FIELDS", "COLUMNS"),
+            ("SIZE 4 4 4\n", ""),
+            ("TYPE F F F\n", ""),
+            ("SIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\n", ""),
+            ("TYPE F F F", "TYPE f f f"),
+            ("DATA binary", "DATA BINARY"),
+            ("x y z", "X Y Z"),
+            ("FIELDS", "\u{feff}FIELDS"),
+            ("FIELDS", "# comment\nFIELDS"),
+        ];
+        for (old, new) in changes {
+            let text = GOOD.replace(old, new);
+            let (header, _) = Header::parse(text.as_bytes()).unwrap();
+            assert_eq!((header.points, header.row_bytes), (6, 12), "{new}");
+        }
+        let latin = [&b"# caf\xe9\n"[..], GOOD.as_bytes()].concat();
+        assert!(Header::parse(&latin).is_ok());
+        assert!(Header::parse(GOOD.trim_end().as_bytes()).is_ok(), "no end of the last line");
+    }
+
+    #[test]
+    fn an_empty_field_takes_no_place() {
+        let text = GOOD.replace("x y z", "x _ y z").replace("4 4 4", "4 1 4 4");
+        let text = text.replace("F F F", "F U F F").replace("1 1 1", "1 0 1 1");
+        let (header, _) = Header::parse(text.as_bytes()).unwrap();
+        assert_eq!((header.row_bytes, header.columns_per_row, header.xyz[1].offset), (12, 3, 4));
+    }
+
+    #[test]
+    fn points_of_absurdly_many_numbers_are_refused() {
+        let wide = GOOD.replace("x y z", "x y z d e").replace("4 4 4", "4 4 4 4 4");
+        let wide = wide.replace("F F F", "F F F F F").replace("1 1 1", "1 1 1 9000 9000");
+        assert_eq!(
+            error(&wide),
+            r#"expected at most 16384 numbers in a point in the pcd header, found "18003 or more""#
+        );
     }
 
     #[test]
@@ -283,12 +367,12 @@ mod tests {
             (
                 "COUNT 1 1 1",
                 "COUNT 1 1 99999999999999999999",
-                r#"expected a COUNT of 1 to 65536 in the pcd header, found "99999999999999999999""#,
+                r#"expected a COUNT of 0 to 65536 in the pcd header, found "99999999999999999999""#,
             ),
             (
                 "FIELDS x y z",
                 "FIELDS x y w",
-                r#"expected fields x, y and z of TYPE F and SIZE 4 or 8 in the pcd header, found "x y w""#,
+                r#"expected fields x, y and z with a COUNT of 1 in the pcd header, found "x y w""#,
             ),
             (
                 "DATA binary",

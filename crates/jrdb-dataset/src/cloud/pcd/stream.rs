@@ -14,7 +14,7 @@ use crate::Error;
 use crate::cloud::buffers::Buffers;
 use crate::cloud::columns::{ByteOrder, Growing};
 use crate::cloud::error::CloudError;
-use crate::cloud::fields::Fields;
+use crate::cloud::fields::{Fields, Notes};
 
 /// Bytes that are read at a time, the header in the first: they stay in the second-level cache until they are decoded.
 const PIECE: usize = 1 << 17;
@@ -25,17 +25,18 @@ pub(in crate::cloud) fn read(
     fields: Fields,
     Buffers { bytes, block }: &mut Buffers,
     cloud: &mut PointCloud,
-) -> Result<(), Error> {
+) -> Result<Notes, Error> {
     let unreadable = |source| Error::Read { path: path.into(), source };
     let mut file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
     bytes.resize(PIECE.max(bytes.len()), 0);
     let filled = read_full(&mut file, &mut bytes[..PIECE]).map_err(unreadable)?;
     let parsed = match Header::parse(&bytes[..filled]) {
-        Ok((header, body)) if header.encoding == Encoding::Binary && header.row_bytes <= PIECE => {
+        Ok((header, body)) if can_stream(&header, body) => {
             let (header, start) = (header.with(fields), filled - body.len());
             let source = Source { file, piece: &mut bytes[..PIECE], start, filled };
-            source.binary(&header, length, cloud).map_err(unreadable)?
+            let read = source.binary(&header, length, cloud).map_err(unreadable)?;
+            read.map(|()| header.notes())
         }
         // Another encoding, or a header that is wrong or longer than a piece.
         _ => {
@@ -45,6 +46,12 @@ pub(in crate::cloud) fn read(
         }
     };
     parsed.map_err(|source| Error::Cloud { path: path.into(), source: CloudError::Pcd(source) })
+}
+
+/// Whether points can be read piece by piece. A header that ends where the piece does may not be whole.
+fn can_stream(header: &Header, body: &[u8]) -> bool {
+    let has_rows = (1..=PIECE).contains(&header.row_bytes);
+    header.encoding == Encoding::Binary && has_rows && !body.is_empty()
 }
 
 /// Fills a buffer, or as much of it as the file has; how much.

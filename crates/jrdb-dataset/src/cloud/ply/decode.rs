@@ -6,12 +6,12 @@ use super::error::PlyError;
 use super::header::{Element, Encoding, Header, Kept, Kind, Property};
 use crate::cloud::ascii::{self, Word};
 use crate::cloud::columns::{ByteOrder, Column, Columns};
-use crate::cloud::fields::{Fields, filled};
+use crate::cloud::fields::{Fields, Notes, filled, other_count, whole_coordinates};
 
 /// Parses a PLY file as the sweep of a sensor.
 ///
-/// The points are the element `vertex` with `x`, `y` and `z` of `float` or `double`. The intensity is called `intensity`,
-/// `reflectance` or `scalar_intensity`. Other properties and elements, lists among them, are passed over.
+/// The points are the element `vertex` (or `point`) with `x`, `y` and `z` of any type of number. The intensity is called
+/// `intensity`, `reflectance` or `scalar_intensity`. Other properties and elements, lists among them, are passed over.
 ///
 /// ```
 /// let text = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
@@ -31,22 +31,25 @@ pub(in crate::cloud) fn fill(
     bytes: &[u8],
     fields: Fields,
     cloud: &mut PointCloud,
-) -> Result<(), PlyError> {
+) -> Result<Notes, PlyError> {
     let (header, body) = Header::parse(bytes)?;
     let header = header.with(fields);
+    let whole = header.has_whole_coordinates().then(|| whole_coordinates("int or the like"));
+    let mut notes: Notes = whole.into_iter().collect();
     match header.encoding {
-        Encoding::Ascii => read_ascii(&header, body, cloud),
+        Encoding::Ascii => notes.extend(read_ascii(&header, body, cloud)?),
         Encoding::Binary(order) => {
             let mut body = body;
             for element in &header.before {
                 body = skip(element, body, order)?;
             }
             match header.vertex.row_bytes() {
-                Some(row_bytes) => read_table(&header, row_bytes, body, order, cloud),
-                None => read_rows(&header, body, order, cloud),
+                Some(row_bytes) => read_table(&header, row_bytes, body, order, cloud)?,
+                None => read_rows(&header, body, order, cloud)?,
             }
         }
     }
+    Ok(notes)
 }
 
 impl Element {
@@ -138,24 +141,37 @@ fn read_rows(
     Ok(())
 }
 
-fn read_ascii(header: &Header, body: &[u8], cloud: &mut PointCloud) -> Result<(), PlyError> {
+/// Reads the points of an ASCII body; a note where they are more or fewer than stated.
+fn read_ascii(
+    header: &Header,
+    body: &[u8],
+    cloud: &mut PointCloud,
+) -> Result<Option<String>, PlyError> {
     let mut rows = ascii::Rows::new(body);
     for element in header.before.iter().filter(|element| !element.properties.is_empty()) {
         for found in 0..element.count {
             rows.skip_row().ok_or_else(|| element.too_short(found))?;
         }
     }
-    let words = header.words();
+    let (words, stated) = (header.words(), header.vertex.count);
     let mut points = ascii::Points::new(cloud, header.intensity.is_some());
-    let mut row = [0.0; 4];
-    for point in 0..header.vertex.count {
-        let read = rows.next_row(&words, &mut row);
-        let bad = |ascii::BadRow { expected, found }| PlyError::BadRow { expected, point, found };
-        read.ok_or_else(|| header.vertex.too_short(point))?.map_err(bad)?;
+    let (mut row, mut found) = ([0.0; 4], 0);
+    // Behind the points there may be other elements, if more were stated.
+    while found < stated || header.is_last {
+        let Some(read) = rows.next_row(&words, &mut row) else { break };
+        read.map_err(|ascii::BadRow { expected, found: line }| PlyError::BadRow {
+            expected,
+            point: found,
+            found: line,
+        })?;
         points.push(&row);
+        found += 1;
     }
     points.finish();
-    Ok(())
+    if found == stated {
+        return Ok(None);
+    }
+    other_count(stated, found).map(Some).ok_or_else(|| header.vertex.too_short(found))
 }
 
 impl Header {
@@ -283,6 +299,31 @@ mod tests {
             assert_eq!((&cloud.x[..], &cloud.y[..]), (&[1.0, -4.0][..], &[2.0, 5.0][..]));
             assert_eq!((&cloud.z[..], cloud.skipped), (&[3.0, 0.1][..], 1));
             assert_eq!(cloud.intensity, [200.0; 2]);
+        }
+    }
+
+    #[test]
+    fn whole_coordinates_and_wide_properties_are_read() {
+        let head = "ply\nformat binary_little_endian 1.0\nelement point 1\nproperty int64 id\nproperty short x\n\
+            property uchar y\nproperty int z\nend_header\n";
+        let body = [&[7; 8][..], &(-300_i16).to_le_bytes(), &[200], &(-70_000_i32).to_le_bytes()];
+        let bytes = [head.as_bytes(), &body.concat()].concat();
+        let mut cloud = PointCloud::default();
+        let notes = fill(&bytes, Fields::All, &mut cloud).unwrap();
+        assert_eq!((cloud.x[0], cloud.y[0], cloud.z[0]), (-300.0, 200.0, -70_000.0));
+        assert!(notes[0].contains("whole numbers"), "{notes:?}");
+    }
+
+    #[test]
+    fn a_line_more_or_fewer_than_stated_is_noted() {
+        let head = "ply\nformat ascii 1.0\nelement vertex 20\nproperty float x\nproperty float y\n\
+            property float z\nend_header\n";
+        for found in [19, 21] {
+            let text = head.to_string() + &"1 2 -nan(ind)\n".repeat(found);
+            let mut cloud = PointCloud::default();
+            let notes = fill(text.as_bytes(), Fields::All, &mut cloud).unwrap();
+            let expected = format!("expected 20 points as stated, found {found}, which are used");
+            assert_eq!((notes, cloud.skipped), (vec![expected], found));
         }
     }
 

@@ -1,8 +1,10 @@
 //! The text in front of the elements: which there are, and of what they consist.
 
+use std::borrow::Cow;
+
 use super::error::PlyError;
 use crate::cloud::columns::{ByteOrder, Scalar};
-use crate::cloud::fields::excerpt;
+use crate::cloud::fields::{excerpt, without_mark};
 
 /// How the elements of a PLY file are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -18,6 +20,8 @@ pub(super) struct Header {
     pub(super) before: Vec<Element>,
     /// The points.
     pub(super) vertex: Element,
+    /// Whether nothing comes behind the points.
+    pub(super) is_last: bool,
     pub(super) xyz: [Kept; 3],
     pub(super) intensity: Option<Kept>,
 }
@@ -73,6 +77,9 @@ impl Number {
             "ushort" | "uint16" => (2, false, false),
             "int" | "int32" => (4, false, true),
             "uint" | "uint32" => (4, false, false),
+            "int64" | "long" | "longlong" => (8, false, true),
+            "uint64" | "ulong" | "ulonglong" => (8, false, false),
+            "half" | "float16" => (2, true, true),
             "float" | "float32" => (4, true, true),
             "double" | "float64" => (8, true, true),
             _ => return None,
@@ -80,14 +87,20 @@ impl Number {
         Some(Self { size, is_float, is_signed })
     }
 
-    /// The type as one that can be kept.
-    fn scalar(self) -> Option<Scalar> {
+    /// How the number is read.
+    fn scalar(self) -> Scalar {
         match (self.is_float, self.is_signed, self.size) {
-            (true, _, 4) => Some(Scalar::F32),
-            (true, _, _) => Some(Scalar::F64),
-            (false, false, 1) => Some(Scalar::U8),
-            (false, false, 2) => Some(Scalar::U16),
-            _ => None,
+            (true, _, 2) => Scalar::F16,
+            (true, _, 4) => Scalar::F32,
+            (true, ..) => Scalar::F64,
+            (false, true, 1) => Scalar::I8,
+            (false, true, 2) => Scalar::I16,
+            (false, true, 4) => Scalar::I32,
+            (false, true, _) => Scalar::I64,
+            (false, false, 1) => Scalar::U8,
+            (false, false, 2) => Scalar::U16,
+            (false, false, 4) => Scalar::U32,
+            (false, false, _) => Scalar::U64,
         }
     }
 
@@ -119,14 +132,17 @@ impl Kind {
         }
     }
 
-    /// The type of the one number, if it can be kept.
+    /// The type of the one number.
     fn scalar(self) -> Option<Scalar> {
         match self {
-            Self::One(number) => number.scalar(),
+            Self::One(number) => Some(number.scalar()),
             Self::List { .. } => None,
         }
     }
 }
+
+/// Names under which programs write the element of the points.
+const POINTS: [&str; 4] = ["vertex", "point", "points", "vertices"];
 
 /// Names under which programs write the strength of the return.
 const INTENSITIES: [&str; 3] = ["intensity", "reflectance", "scalar_intensity"];
@@ -134,8 +150,8 @@ const INTENSITIES: [&str; 3] = ["intensity", "reflectance", "scalar_intensity"];
 impl Header {
     /// Reads the header and gives back what follows it.
     pub(super) fn parse(bytes: &[u8]) -> Result<(Self, &[u8]), PlyError> {
-        let (first, mut rest) = split_line(bytes)?;
-        if first != "ply" {
+        let (first, mut rest) = split_line(without_mark(bytes))?;
+        if first.trim_end() != "ply" {
             return Err(PlyError::NoHeader { found: "another kind of file" });
         }
         let (mut encoding, mut elements) = (None, Vec::new());
@@ -145,53 +161,69 @@ impl Header {
             let words: Vec<&str> = line.split_ascii_whitespace().collect();
             match words[..] {
                 [] | ["comment" | "obj_info", ..] => {}
-                ["format", name, "1.0"] => encoding = Some(self::encoding(name, line)?),
+                ["format", name, "1.0"] => encoding = Some(self::encoding(name, &line)?),
                 ["element", name, count] => {
-                    let count = count.parse().map_err(|_| bad("a number of elements", line))?;
+                    let count = count.parse().map_err(|_| bad("a number of elements", &line))?;
                     elements.push(Element { name: name.into(), count, properties: Vec::new() });
                 }
                 ["property", ref words @ ..] => {
                     let element =
-                        elements.last_mut().ok_or_else(|| bad("an element first", line))?;
-                    element.properties.push(property(words, line)?);
+                        elements.last_mut().ok_or_else(|| bad("an element first", &line))?;
+                    element.properties.push(property(words, &line)?);
                 }
                 ["end_header"] => {
                     let encoding = encoding.ok_or_else(|| bad("a format", "none"))?;
                     return Ok((Self::new(encoding, elements)?, rest));
                 }
-                _ => return Err(bad("format .. 1.0, element, property or end_header", line)),
+                _ => return Err(bad("format .. 1.0, element, property or end_header", &line)),
             }
         }
     }
 
     fn new(encoding: Encoding, mut elements: Vec<Element>) -> Result<Self, PlyError> {
-        let at = elements.iter().position(|element| element.name == "vertex");
+        let named = |name: &&str| elements.iter().position(|e| e.name.eq_ignore_ascii_case(name));
+        let at = POINTS.iter().find_map(named);
         let at = at.ok_or_else(|| bad("an element vertex", "none"))?;
+        let is_last = at + 1 == elements.len();
         elements.truncate(at + 1); // what follows the points does not matter
         let vertex = elements.remove(at);
+        let place = |name: &str| {
+            let mut names = vertex.properties.iter();
+            let exact = names.position(|property| property.name == name);
+            let any_case = |property: &Property| property.name.eq_ignore_ascii_case(name);
+            exact.or_else(|| vertex.properties.iter().position(any_case))
+        };
         let find = |name: &str| {
-            let index = vertex.properties.iter().position(|property| property.name == name)?;
+            let index = place(name)?;
             Some(Kept { index, scalar: vertex.properties[index].kind.scalar()? })
         };
         let coordinate = |name: &str| {
-            find(name).filter(|kept| kept.scalar.is_float()).ok_or_else(|| {
+            find(name).ok_or_else(|| {
                 let names: Vec<&str> = vertex.properties.iter().map(|p| p.name.as_str()).collect();
-                bad("properties x, y and z of float or double in vertex", &names.join(" "))
+                bad("properties x, y and z of one number each in vertex", &names.join(" "))
             })
         };
         let xyz = [coordinate("x")?, coordinate("y")?, coordinate("z")?];
-        let intensity = INTENSITIES.iter().find_map(|name| find(name));
-        Ok(Self { encoding, before: elements, vertex, xyz, intensity })
+        let strength = |name: &&str| find(name).filter(|kept| kept.scalar.is_strength());
+        let intensity = INTENSITIES.iter().find_map(strength);
+        Ok(Self { encoding, before: elements, vertex, is_last, xyz, intensity })
+    }
+
+    /// Whether a coordinate is a whole number.
+    pub(super) fn has_whole_coordinates(&self) -> bool {
+        self.xyz.iter().any(|kept| !kept.scalar.is_float())
     }
 }
 
 /// A line without its end, `\n` or `\r\n`, and what follows it.
-fn split_line(bytes: &[u8]) -> Result<(&str, &[u8]), PlyError> {
-    let end = bytes.iter().position(|&b| b == b'\n');
-    let end = end.ok_or(PlyError::NoHeader { found: "the end of the file" })?;
-    let line = std::str::from_utf8(&bytes[..end]);
-    let line = line.map_err(|_| PlyError::NoHeader { found: "a line that is not text" })?;
-    Ok((line.trim_end_matches('\r'), &bytes[end + 1..]))
+fn split_line(bytes: &[u8]) -> Result<(Cow<'_, str>, &[u8]), PlyError> {
+    let (line, rest) = match bytes.iter().position(|&b| b == b'\n') {
+        Some(end) => (&bytes[..end], &bytes[end + 1..]),
+        None if bytes == b"end_header" => (bytes, &[][..]),
+        None => return Err(PlyError::NoHeader { found: "the end of the file" }),
+    };
+    let line = line.strip_suffix(b"\r").unwrap_or(line);
+    Ok((String::from_utf8_lossy(line), rest))
 }
 
 fn bad(expected: &'static str, found: &str) -> PlyError {
@@ -238,6 +270,25 @@ mod tests {
     }
 
     #[test]
+    fn headers_of_careless_programs_are_understood() {
+        const GOOD: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
+            property float z\nend_header\n";
+        let changes = [
+            ("float x", "float X"),
+            ("vertex", "point"),
+            ("float y", "int y"),
+            ("float y\n", "float y\nproperty int64 id\nproperty ulong time\n"),
+            ("ply\n", "\u{feff}ply\r\n"),
+        ];
+        for (old, new) in changes {
+            assert!(Header::parse(GOOD.replace(old, new).as_bytes()).is_ok(), "{new}");
+        }
+        let latin = GOOD.replace("1.0\n", "1.0\ncomment caf?\n").into_bytes();
+        let latin: Vec<u8> = latin.iter().map(|&b| if b == b'?' { 0xe9 } else { b }).collect();
+        assert!(Header::parse(&latin).is_ok());
+    }
+
+    #[test]
     fn trouble_says_what_was_expected_and_found() {
         const GOOD: &str = "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n\
             property float z\nend_header\n";
@@ -265,13 +316,13 @@ mod tests {
             ("vertex", "face", r#"expected an element vertex in the ply header, found "none""#),
             (
                 "float y",
-                "int y",
-                r#"expected properties x, y and z of float or double in vertex in the ply header, found "x y z""#,
+                "list uchar float y",
+                r#"expected properties x, y and z of one number each in vertex in the ply header, found "x y z""#,
             ),
             (
                 "float y",
-                "half y",
-                r#"expected a type of number, char to double in the ply header, found "property half y""#,
+                "quad y",
+                r#"expected a type of number, char to double in the ply header, found "property quad y""#,
             ),
             (
                 "float y",
