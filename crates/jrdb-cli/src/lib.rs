@@ -2,13 +2,18 @@
 
 pub mod calib;
 pub mod evaluation;
+pub mod inputs;
+pub mod interrupt;
+pub mod migrate;
 pub mod output;
 pub mod questions;
 pub mod report;
 pub mod result;
 pub mod run;
+pub mod run_folder;
 pub mod source;
 
+mod description;
 mod error;
 
 pub use error::Error;

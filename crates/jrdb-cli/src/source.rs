@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use jrdb_dataset::Dataset;
+use jrdb_dataset::{Dataset, Decoded, check_sequence_name};
 use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::EngineOptions;
 use jrdb_models::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
@@ -129,6 +129,8 @@ pub fn list_frames(
             Source::Sequence { name, .. } => vec![name.clone()],
         };
         for sequence in sequences {
+            // Folders of --out are named like the sequences.
+            check_sequence_name(&sequence)?;
             if !seen.insert(sequence.clone()) {
                 let message =
                     format!("expected every sequence once, found {sequence:?} in two sources");
@@ -170,15 +172,15 @@ impl FrameSource {
 
     /// The image, decoded when something needs it. What its file's header and end tell against it is known at once.
     fn camera_image(&self) -> CameraImage {
-        let header = self.dataset.image_header(&self.id.sequence, self.id.frame);
-        let checked = header.map_err(|error| self.missing(&error));
-        match checked.and_then(|header| self.fits(header.size_px).map(|()| header.is_complete)) {
+        let size_px = self.size_px();
+        let header = self.dataset.image_header_of(&self.id.sequence, self.id.frame, size_px);
+        match header.map_err(|error| self.missing(&error)) {
             Err(issue) => CameraImage::missing(issue),
-            Ok(true) => {
+            Ok(header) if header.is_complete => {
                 let source = self.clone();
-                CameraImage::on_demand(move || source.image())
+                CameraImage::on_demand(move || source.decoded())
             }
-            Ok(false) => self.image().map_or_else(CameraImage::missing, CameraImage::ready),
+            Ok(_) => CameraImage::known(self.decoded()),
         }
     }
 
@@ -187,23 +189,30 @@ impl FrameSource {
     /// # Errors
     /// An issue when it is absent, broken, or of another size than the calibration's.
     pub fn image(&self) -> Result<Image, Issue> {
-        let image = self.dataset.image(&self.id.sequence, self.id.frame);
-        let image = image.map_err(|error| self.missing(&error))?;
-        self.fits([image.width, image.height]).map(|()| image)
+        self.decoded().map(|(image, _)| image)
+    }
+
+    /// The panorama, with what there is to remark about it.
+    fn decoded(&self) -> Result<(Image, Option<Issue>), Issue> {
+        let FrameId { sequence, frame } = &self.id;
+        let decoded = self.dataset.image_of(sequence, *frame, self.size_px());
+        let Decoded { image, remark } = decoded.map_err(|error| self.missing(&error))?;
+        let about = |remark| {
+            let path = self.dataset.image_path(sequence, *frame).unwrap_or_default();
+            let place = path.strip_prefix(self.dataset.root()).unwrap_or(&path).display();
+            Issue::new(IssueKind::MissingInput, format!("{place}: {remark}"))
+        };
+        Ok((image, remark.map(about)))
     }
 
     fn missing(&self, error: &jrdb_dataset::Error) -> Issue {
         Issue::new(IssueKind::MissingInput, self.dataset.error_text(error))
     }
 
-    fn fits(&self, found: [usize; 2]) -> Result<(), Issue> {
+    /// Columns and rows of the robot's camera.
+    fn size_px(&self) -> [usize; 2] {
         let geometry = self.robot.image();
-        let expected = [geometry.width_px, geometry.height_px].map(|side| side as usize);
-        let message = || {
-            format!("expected an image of {expected:?} px as in the calibration, found {found:?}")
-        };
-        let is_right = found == expected;
-        is_right.then_some(()).ok_or_else(|| Issue::new(IssueKind::MissingInput, message()))
+        [geometry.width_px, geometry.height_px].map(|side| side as usize)
     }
 
     /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
@@ -232,6 +241,12 @@ pub fn open_perception(
                 image: frame.robot.image(),
             });
         }
+    }
+    let is_labelled = |one: &SequenceSource| one.dataset.has_labels(&one.name);
+    if let (PerceptionSource::Labels, false) = (source, sequences.iter().any(is_labelled)) {
+        let names: Vec<&str> = sequences.iter().map(|one| one.name.as_str()).collect();
+        let root = frames[0].dataset.root().into();
+        return Err(Error::NoLabels { sequences: names.join(", "), root });
     }
     let options = PerceptionOptions { engine: engine.clone(), demographics, sequences };
     Ok(Perception::open_source(source, &options)?)

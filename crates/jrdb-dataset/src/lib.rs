@@ -11,7 +11,9 @@ mod error;
 mod file;
 mod image_error;
 mod labels;
+mod name;
 mod number;
+mod picture_size;
 mod questions;
 mod tree;
 mod writer;
@@ -20,10 +22,13 @@ pub use calibration::{LidarMount, OfficialCalibration};
 pub use cloud::pcd;
 pub use detections::read_detections;
 pub use error::Error;
+pub use file::{PART, write as write_file};
 pub use image::{
-    ImageError, ImageHeader, PngCompression, decode_image, encode_png, image_header, read_image,
+    Decoded, ImageError, ImageHeader, PngCompression, decode_image, decode_image_of, encode_png,
+    image_header, read_image,
 };
 pub use labels::SequenceLabels;
+pub use name::check_sequence_name;
 pub use questions::{read_questions, write_questions};
 pub use tree::Dataset;
 pub use writer::{LabelledFrame, TreeWriter};

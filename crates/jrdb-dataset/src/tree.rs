@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig, with_causes};
 
 use crate::cloud::{Fields, Reader};
-use crate::image::ImageHeader;
+use crate::image::{Decoded, ImageHeader};
 use crate::labels::{self, SequenceLabels};
 use crate::{Error, OfficialCalibration, file, image, rig};
 
@@ -132,15 +132,38 @@ impl Dataset {
         image::read_image(&self.image_path(sequence, frame)?)
     }
 
-    /// What the stitched image of a frame tells without being decoded.
+    /// The stitched image of a frame, which must have a size: columns and rows of its camera. The size is compared
+    /// with the file's header before anything is decoded.
     ///
     /// # Errors
-    /// As [`Dataset::image`], as far as the file's header tells.
-    pub fn image_header(&self, sequence: &str, frame: u32) -> Result<ImageHeader, Error> {
-        image::read_header(&self.image_path(sequence, frame)?)
+    /// As [`Dataset::image`].
+    pub fn image_of(
+        &self,
+        sequence: &str,
+        frame: u32,
+        size_px: [usize; 2],
+    ) -> Result<Decoded, Error> {
+        image::read_image_of(&self.image_path(sequence, frame)?, size_px)
     }
 
-    fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
+    /// What the stitched image of a frame, which must have a size, tells without being decoded.
+    ///
+    /// # Errors
+    /// As [`Dataset::image_of`], as far as the file's header tells.
+    pub fn image_header_of(
+        &self,
+        sequence: &str,
+        frame: u32,
+        size_px: [usize; 2],
+    ) -> Result<ImageHeader, Error> {
+        image::read_header_of(&self.image_path(sequence, frame)?, size_px)
+    }
+
+    /// The file that holds the stitched image of a frame.
+    ///
+    /// # Errors
+    /// [`Error::Absent`].
+    pub fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
         find(&folder, frame, &IMAGE_EXTENSIONS).ok_or_else(|| Error::Absent {
             expected: format!("{frame:06}.{}", IMAGE_EXTENSIONS.join(", .")),
@@ -183,6 +206,23 @@ impl Dataset {
             }
         }
         (clouds, issues)
+    }
+
+    /// Whether a file of labels is there for a sequence.
+    #[must_use]
+    pub fn has_labels(&self, sequence: &str) -> bool {
+        let labels = self.root.join(LABELS);
+        let folders = [labels::BOXES, labels::SPACE, labels::SOCIAL];
+        folders.iter().any(|folder| labels.join(folder).join(format!("{sequence}.json")).is_file())
+    }
+
+    /// The files that hold a frame's stitched image and sweeps, as far as they are there.
+    #[must_use]
+    pub fn frame_files(&self, sequence: &str, frame: u32, lidars: &[Lidar]) -> Vec<PathBuf> {
+        let image = self.image_path(sequence, frame).ok();
+        let sweep =
+            |lidar: &Lidar| find(&self.sweeps(&lidar.name, sequence), frame, &CLOUD_EXTENSIONS);
+        image.into_iter().chain(lidars.iter().filter_map(sweep)).collect()
     }
 
     /// The labels of a sequence, from whichever of `labels_2d_stitched`, `labels_3d` and

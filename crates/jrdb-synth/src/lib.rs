@@ -22,7 +22,7 @@ mod tests;
 
 use std::path::{Path, PathBuf};
 
-use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
+use jrdb_dataset::{Error, LabelledFrame, TreeWriter, check_sequence_name};
 use jrdb_types::vocab::Headwear;
 use jrdb_types::{
     Age, Artefact, Belief, EntityId, FrameId, Image, PointCloud, Question, Questions,
@@ -119,8 +119,9 @@ fn headwear(cast: &Cast, listed: &[Headwear]) -> Vec<Headwear> {
 /// Files that are there are replaced; others stay, so a folder should hold one world only.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// When the sequence's name cannot be that of a folder, or a file cannot be written.
 pub fn write(world: &World, root: &Path) -> Result<(), Error> {
+    check_sequence_name(&world.config.sequence)?;
     let writer = TreeWriter::new(root);
     writer.calibration(&calibration())?;
     let (mut labels, mut questions) = (Vec::new(), Vec::new());
@@ -150,7 +151,7 @@ fn detections(frames: Vec<LabelledFrame>) -> String {
 }
 
 fn write_text(path: PathBuf, text: &str) -> Result<(), Error> {
-    std::fs::write(&path, text).map_err(|source| Error::Write { path, source })
+    jrdb_dataset::write_file(&path, text.as_bytes())
 }
 
 /// Seconds from the first frame to another.

@@ -5,6 +5,7 @@ pub mod artefact;
 pub mod attribute;
 pub mod calibration;
 mod causes;
+mod contained;
 pub mod detection;
 pub mod entity;
 pub mod geometry;
@@ -29,9 +30,10 @@ pub use attribute::{
     AttributeWording, Attributes, Belief,
 };
 pub use causes::with_causes;
+pub use contained::{Panicked, contained, is_contained};
 pub use detection::{Detection, Detections};
 pub use entity::{Entities, Entity, Heading, Localizer, PairRelation, Position, SpatialRelation};
-pub use geometry::{Box3d, FloorPlane, ImageGeometry, PixelBox};
+pub use geometry::{Box3d, BoxError, FloorPlane, ImageGeometry, PixelBox};
 pub use graph::{Edge, EdgeRelation, Node, SceneGraph};
 pub use id::{EntityId, FrameId};
 pub use issue::{Issue, IssueKind, Span};

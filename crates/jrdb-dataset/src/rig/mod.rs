@@ -17,7 +17,7 @@ pub use jrdb::{jrdb_cameras, jrdb_refined};
 pub use kitti::kitti;
 pub use nuscenes::{Calibrations, nuscenes};
 
-use crate::{Error, file};
+use crate::{Error, file, picture_size};
 
 /// Reads a rig file: a `jrdb.rig` artefact as `.json`, `.yaml` or `.yml`.
 ///
@@ -55,7 +55,14 @@ pub fn read(path: &Path) -> Result<Rig, Error> {
             return Err(Error::content(path, "a .json, .yaml or .yml file", format!("{name:?}")));
         }
     };
-    from_value(value).map_err(|source| Error::Artefact { path: path.into(), source })
+    let rig = from_value(value);
+    let rig = rig.map_err(|source| Error::Artefact { path: path.into(), source })?;
+    for (i, camera) in rig.cameras.iter().enumerate() {
+        let (image, place) = (camera.lens.image(), format!("data.cameras[{i}].lens"));
+        let keys = [&*format!("{place}.width_px"), &*format!("{place}.height_px")];
+        picture_size::check([image.width_px, image.height_px], keys, path)?;
+    }
+    Ok(rig)
 }
 
 /// The rig in an artefact of which the name and the version are checked first.

@@ -184,6 +184,7 @@ impl Backbone {
             "detector": detector.config(),
             "attributes": attribute_config,
         });
+        notes.extend(loader.warnings());
         Ok(Opened { models: Models { detector, attributes, grounder, config }, notes })
     }
 }

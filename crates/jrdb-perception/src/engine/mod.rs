@@ -7,6 +7,10 @@
 mod device_tensor;
 mod error;
 mod interface;
+#[cfg(any(feature = "ort", feature = "rten"))]
+mod onnx_limits;
+#[cfg(any(feature = "ort", feature = "rten"))]
+mod onnx_wire;
 #[cfg(feature = "ort")]
 mod ort;
 #[cfg(feature = "ort")]

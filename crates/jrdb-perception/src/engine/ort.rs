@@ -4,12 +4,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
+use jrdb_types::contained;
 use ort::environment::Environment;
 use ort::session::{Session, SessionInputValue, SessionOutputs};
 
 use super::device_tensor::{DeviceTensor, Input};
 use super::error::{Cause, EngineError};
 use super::interface::{Engine, check_call};
+use super::onnx_limits::{check_bytes, check_file};
 use super::ort_value::{NAME, OrtValue, failed, given};
 
 /// An ONNX Runtime library in use by this process. Copies refer to the same library.
@@ -131,6 +133,10 @@ impl OrtEngine {
     }
 
     fn open(library: &OrtLibrary, source: Source, sessions: Sessions) -> Result<Self, EngineError> {
+        match &source {
+            Source::Bytes(bytes) => check_bytes(bytes, NAME)?,
+            Source::File(path) => check_file(path, NAME)?,
+        }
         let session = open(library, &source, sessions)?;
         let names = |outlets: &[ort::value::Outlet]| -> Vec<String> {
             outlets.iter().map(|outlet| outlet.name().to_owned()).collect()
@@ -180,10 +186,10 @@ impl OrtEngine {
             .map(|(name, input)| Ok(((*name).to_owned(), given(name, *input)?)))
             .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
         let mut session = self.take()?;
-        let result = session.run(values).map_err(failed).and_then(read);
+        let result = contained(NAME, || session.run(values).map_err(failed).and_then(read));
         self.idle().push(session);
         self.freed.notify_one();
-        result
+        result.map_err(failed)?
     }
 
     fn unknown(&self, name: &str) -> EngineError {
