@@ -1,4 +1,4 @@
-//! Ctrl-C and SIGTERM: the run ends after the frame that is due, and what was answered is kept.
+//! Ctrl-C and SIGTERM: no further frame is begun, and what was answered is kept.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -11,8 +11,8 @@ const SIGNALS: [(i32, &str); 2] = [(SIGINT, "Ctrl-C"), (SIGTERM, "SIGTERM")];
 /// A program that a signal ends exits with this number and the signal's.
 const EXIT_BASE: i32 = 128;
 
-/// Notes the first signal; the second ends the process at once.
-#[derive(Debug, Default)]
+/// Notes the first signal once it listens; the second ends the process at once. Copies share what they note.
+#[derive(Debug, Clone, Default)]
 pub struct Interrupt {
     signal: Arc<AtomicUsize>,
 }
@@ -22,17 +22,16 @@ impl Interrupt {
     ///
     /// # Errors
     /// When the system does not let the process listen.
-    pub fn listen() -> std::io::Result<Self> {
-        let signal = Arc::new(AtomicUsize::new(0));
+    pub fn listen(&self) -> std::io::Result<()> {
         let again = Arc::new(AtomicBool::new(false));
         for (number, _) in SIGNALS {
             // In this order: the first signal finds `again` false and sets it.
             flag::register_conditional_shutdown(number, EXIT_BASE + number, again.clone())?;
             flag::register(number, again.clone())?;
             let value = usize::try_from(number).unwrap_or_default();
-            flag::register_usize(number, signal.clone(), value)?;
+            flag::register_usize(number, self.signal.clone(), value)?;
         }
-        Ok(Self { signal })
+        Ok(())
     }
 
     /// The name of the signal that came, if one did, and the exit code that it asks for.

@@ -15,6 +15,7 @@ pub mod source;
 
 mod description;
 mod error;
+mod guard;
 
 pub use error::Error;
 pub use result::{FrameOutput, FrameResult, RunSummary};

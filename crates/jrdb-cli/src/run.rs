@@ -19,12 +19,14 @@ use jrdb_pipeline::{
     Frame, Pipeline, PipelineConfig, PlacedFrame, Recording, Robot, Scene, baseline,
 };
 use jrdb_projection::Motions;
-use jrdb_types::{Answer, Detections, FrameId, ImageGeometry, Query, Question, contained};
+use jrdb_types::{Answer, Detections, FrameId, ImageGeometry, Query, Question};
 use serde_json::{Value, json};
 
 use crate::Error;
 use crate::description::{Work, describe};
+use crate::guard::guarded;
 use crate::inputs::Inputs;
+use crate::interrupt::Interrupt;
 use crate::output::{Writer, Written};
 use crate::questions::{Answered, FrameQuestions, ReadQuestion};
 use crate::result::{FrameOutput, FrameResult, RunSummary};
@@ -62,6 +64,8 @@ pub struct RunOptions {
     pub out: Option<PathBuf>,
     /// What is done when that folder holds another run.
     pub existing: Existing,
+    /// Ends the run before the next frame.
+    pub interrupt: Interrupt,
     /// Whether every stage's artefact is written too.
     pub artifacts: bool,
 }
@@ -70,11 +74,8 @@ impl RunOptions {
     /// What of the options shapes the output.
     fn described(&self) -> Value {
         json!({
-            "demographics": format!("{:?}", self.demographics).to_lowercase(),
-            "robot_stands": self.robot_stands,
-            "baseline": self.baseline,
-            "artifacts": self.artifacts,
-            "config": self.config,
+            "robot_stands": self.robot_stands, "baseline": self.baseline, "artifacts": self.artifacts,
+            "demographics": format!("{:?}", self.demographics).to_lowercase(), "config": self.config,
         })
     }
 }
@@ -127,7 +128,10 @@ impl<'o> Run<'o> {
             };
             Writer::new(root, config.clone(), written)
         });
-        let pool = pool(options.threads)?;
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build();
+        let no_pool = |error| Error::Usage(format!("cannot start worker threads: {error}"));
+        let pool = pool.map_err(no_pool)?;
         let threads = NonZeroUsize::new(pool.current_num_threads()).unwrap_or(NonZeroUsize::MIN);
         let metrics = metrics_config(&options.config, frames[0].robot.image());
         let perception = Arc::new(perception);
@@ -168,13 +172,11 @@ impl<'o> Run<'o> {
         mut on_frame: impl FnMut(FrameResult) -> ControlFlow<()>,
     ) -> Result<RunSummary, Error> {
         let mut tally = Tally::new(self);
-        let (mut count, mut is_ended) = (0, false);
+        let mut count = 0;
         let each = |result: FrameResult| {
             tally.add(&result);
             count += 1;
-            let flow = on_frame(result);
-            is_ended = flow.is_break();
-            flow
+            on_frame(result)
         };
         // Things are seen to move only while the robot stands, and only where ids are tracks.
         if self.options.robot_stands && self.perception.tracks() {
@@ -184,10 +186,9 @@ impl<'o> Run<'o> {
                 let output = guarded(|| self.pool.install(|| self.frame(frame, questions)));
                 FrameResult { id: frame.id.clone(), output }
             };
-            let frames = self.frames.iter().zip(&self.questions.per_frame);
-            in_order(frames, self.threads, work, each);
+            in_order(self.due().zip(&self.questions.per_frame), self.threads, work, each);
         }
-        let is_cut_short = is_ended && count < self.frames.len();
+        let is_cut_short = count < self.frames.len();
         let summary = RunSummary { is_cut_short, ..tally.summary() };
         if !is_cut_short {
             self.write_summary(&summary)?;
@@ -199,13 +200,9 @@ impl<'o> Run<'o> {
     fn write_summary(&self, summary: &RunSummary) -> Result<(), Error> {
         let Some(writer) = &self.writer else { return Ok(()) };
         summary.recordings.iter().try_for_each(|answered| writer.recording(answered))?;
-        if let Some(scores) = &summary.scores {
-            writer.scores(scores)?;
-        }
-        match &self.folder {
-            Some(folder) if summary.failures.is_empty() => folder.complete(),
-            _ => Ok(()),
-        }
+        summary.scores.iter().try_for_each(|scores| writer.scores(scores))?;
+        let folder = self.folder.as_ref().filter(|_| summary.failures.is_empty());
+        folder.map_or(Ok(()), RunFolder::complete)
     }
 
     /// What `--out` held before, where there is one.
@@ -224,11 +221,9 @@ impl<'o> Run<'o> {
                     let pipeline = self.pipeline(&frame.robot);
                     guarded(|| self.pool.install(|| pipeline.place(self.read(frame))))
                 };
-                in_order(self.frames.iter(), self.threads, place, |result| {
-                    match send.send(result) {
-                        Ok(()) => ControlFlow::Continue(()),
-                        Err(_) => ControlFlow::Break(()),
-                    }
+                in_order(self.due(), self.threads, place, |result| match send.send(result) {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(_) => ControlFlow::Break(()),
                 });
             });
             let frames = self.frames.iter().zip(&self.questions.per_frame);
@@ -248,6 +243,11 @@ impl<'o> Run<'o> {
             };
             in_order(moving, self.threads, work, each);
         });
+    }
+
+    /// The frames until the run is interrupted.
+    fn due(&self) -> impl Iterator<Item = &FrameSource> + Send {
+        self.frames.iter().take_while(|_| self.options.interrupt.came().is_none())
     }
 
     fn pipeline(&self, robot: &Arc<Robot>) -> Pipeline {
@@ -315,22 +315,8 @@ impl<'o> Run<'o> {
     }
 }
 
-/// The work on a frame; a panic of it fails this frame only.
-fn guarded<T, E>(work: impl FnOnce() -> Result<T, E>) -> Result<T, E>
-where
-    E: From<jrdb_pipeline::Error>,
-{
-    let panicked = |panic| E::from(jrdb_pipeline::Error::Panicked(panic));
-    contained("the work on the frame", work).map_err(panicked)?
-}
-
 type Moving<'a> =
     (Motions, (Result<PlacedFrame, jrdb_pipeline::Error>, &'a FrameSource, &'a Vec<ReadQuestion>));
-
-fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
-    builder.build().map_err(|error| Error::Usage(format!("cannot start worker threads: {error}")))
-}
 
 /// The metrics' configuration, with the panorama's circumference when nobody has set it.
 pub(crate) fn metrics_config(config: &PipelineConfig, image: ImageGeometry) -> MetricsConfig {

@@ -136,7 +136,7 @@ pub fn list_frames(
                     format!("expected every sequence once, found {sequence:?} in two sources");
                 return Err(Error::Usage(message));
             }
-            for frame in dataset.frames(&sequence)? {
+            for frame in frames_of(&dataset, &sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
                     frames.push(FrameSource { dataset: dataset.clone(), robot: robot.clone(), id });
@@ -149,6 +149,19 @@ pub fn list_frames(
         return Err(Error::Usage(format!("expected {asked} in {sources:?}, found none")));
     }
     Ok(frames)
+}
+
+/// The frames of a sequence; a name that the tree lacks is told with those that it has.
+fn frames_of(dataset: &Dataset, sequence: &str) -> Result<Vec<u32>, Error> {
+    match dataset.frames(sequence) {
+        Err(jrdb_dataset::Error::Absent { .. }) => {
+            let (known, root) = (dataset.sequences()?.join(", "), dataset.root());
+            let message =
+                format!("expected one of the sequences {known}, found {sequence:?}, in {root:?}");
+            Err(Error::Usage(message))
+        }
+        found => Ok(found?),
+    }
 }
 
 impl FrameSource {

@@ -6,8 +6,8 @@ use crate::Error;
 
 /// Longest side, pixels: 17 times a JRDB panorama. Pictures are drawn, so their size must fit into memory.
 const SIDE_MAX_PX: u32 = 65_536;
-/// Most pixels: as many as a picture file may have.
-const PIXELS_MAX: u64 = 1 << 27;
+/// Most pixels: a 360° picture of 11,000 columns has fewer. A drawn picture takes 7 bytes for each.
+const PIXELS_MAX: u64 = 1 << 26;
 
 /// Checks the columns and rows that a file states under these keys.
 pub(crate) fn check(

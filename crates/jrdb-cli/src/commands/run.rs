@@ -7,7 +7,6 @@ use std::sync::Arc;
 
 use anyhow::{Context, Result};
 use clap::Args;
-use jrdb_cli::interrupt::Interrupt;
 use jrdb_cli::report::{Detail, JsonReport, Telling};
 use jrdb_cli::run_folder::{Existing, Found};
 use jrdb_cli::{Error, FrameResult, Run, RunOptions, RunSummary, report};
@@ -103,6 +102,7 @@ impl RunArgs {
             config,
             threads: self.threads.map(usize::from),
             out: self.out.clone(),
+            interrupt: jrdb_cli::interrupt::Interrupt::default(),
             existing: if self.overwrite { Existing::Overwrite } else { Existing::Refuse },
             artifacts: self.artifacts,
         })
@@ -113,7 +113,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let options = args.options()?;
     let run = Run::open(&options)?;
     tell_found(&run, args);
-    let interrupt = Interrupt::listen().context("cannot listen to Ctrl-C")?;
+    options.interrupt.listen().context("cannot listen to Ctrl-C")?;
     let progress = Progress::new("frames", run.frame_count());
     let mut printer = Printer::new(args, &options.config);
     printer.notes(run.notes())?;
@@ -122,7 +122,6 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
         let printed = progress.suspend(|| printer.frame(&result));
         progress.advance();
         match printed {
-            Ok(()) if interrupt.came().is_some() => ControlFlow::Break(()),
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 failed = Some(error);
@@ -137,7 +136,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     }
     let summary = summary?;
     printer.end(&summary)?;
-    if let (true, Some((signal, code))) = (summary.is_cut_short, interrupt.came()) {
+    if let (true, Some((signal, code))) = (summary.is_cut_short, options.interrupt.came()) {
         tell_interrupted(signal, args);
         return Ok(ExitCode::from(code));
     }

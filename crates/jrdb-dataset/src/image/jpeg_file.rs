@@ -108,7 +108,7 @@ fn breaks_off(bytes: &[u8]) -> bool {
 /// Where the end is looked for, bytes from the last.
 const TAIL_BYTES: usize = 64;
 
-/// The picture with the rows that the file still has, or nothing when those are too few.
+/// The picture with the rows that the file still has; nothing when its scans do not reach them all.
 ///
 /// The rows that are there do not depend on what follows: two endings are tried, and the rows that differ are absent.
 fn as_far_as_it_goes(bytes: &[u8]) -> Option<Result<Decoded, ImageError>> {
@@ -124,7 +124,12 @@ fn as_far_as_it_goes(bytes: &[u8]) -> Option<Result<Decoded, ImageError>> {
     let mut pairs = rgb.chunks_exact(row_bytes).zip(other.chunks_exact(row_bytes));
     let rows = pairs.position(|(one, two)| one != two).unwrap_or(size[1]);
     if rows * ROWS_MIN[1] < size[1] * ROWS_MIN[0] {
-        return None;
+        let [part, of] = ROWS_MIN;
+        let found = format!(
+            "it breaks off: expected at least {part}/{of} of its {} rows, found {rows}",
+            size[1]
+        );
+        return Some(Err(ImageError::malformed(FORMAT)(found)));
     }
     rgb[rows * row_bytes..].fill(ABSENT);
     let remark = format!(

@@ -43,7 +43,7 @@ struct Segment {
 /// # Errors
 /// [`ImageError::Turned`].
 pub(super) fn mended(bytes: &[u8]) -> Result<Cow<'_, [u8]>, ImageError> {
-    let (mut kept, mut is_whole, mut has_tables, mut is_sequential) = (vec![], true, false, false);
+    let (mut kept, mut is_whole, mut tables, mut is_sequential) = (vec![], true, vec![], false);
     let mut end = 2;
     for segment in Segments::new(bytes) {
         is_whole &= segment.start == end;
@@ -51,10 +51,11 @@ pub(super) fn mended(bytes: &[u8]) -> Result<Cow<'_, [u8]>, ImageError> {
         let data = &bytes[segment.data.clone()];
         match segment.marker {
             EXIF => data.strip_prefix(EXIF_NAME).map_or(Ok(()), check_upright)?,
-            HUFFMAN_TABLES => has_tables = true,
+            HUFFMAN_TABLES => tables.extend(tables_in(data)),
             marker if SEQUENTIAL.contains(&marker) => is_sequential = true,
             START_OF_SCAN => {
-                let lacks_tables = is_sequential && !has_tables;
+                let is_absent = |table: &u8| !tables.contains(table);
+                let lacks_tables = is_sequential && tables_of_scan(data).iter().any(is_absent);
                 if is_whole && !lacks_tables {
                     return Ok(Cow::Borrowed(bytes));
                 }
@@ -66,6 +67,25 @@ pub(super) fn mended(bytes: &[u8]) -> Result<Cow<'_, [u8]>, ImageError> {
     }
     // No scan: the decoder says what is wrong.
     Ok(Cow::Borrowed(bytes))
+}
+
+/// The tables that a segment defines: class (0 for DC, 1 for AC) in the upper half of a byte, number in the lower.
+fn tables_in(mut data: &[u8]) -> Vec<u8> {
+    const COUNTS: usize = 16;
+    let mut found = Vec::new();
+    while let Some((&table, rest)) = data.split_first() {
+        found.push(table);
+        let values: usize = rest.iter().take(COUNTS).map(|count| usize::from(*count)).sum();
+        data = rest.get(COUNTS + values..).unwrap_or_default();
+    }
+    found
+}
+
+/// The tables that a scan's components take, in the same form.
+fn tables_of_scan(data: &[u8]) -> Vec<u8> {
+    let Some((&count, rest)) = data.split_first() else { return Vec::new() };
+    let selectors = rest.chunks_exact(2).take(usize::from(count)).map(|pair| pair[1]);
+    selectors.flat_map(|tables| [tables >> 4, 0x10 | (tables & 0x0f)]).collect()
 }
 
 fn rebuilt(
@@ -193,6 +213,21 @@ mod tests {
             let place = at(GRADIENT, 0xc0);
             let dirty = [&GRADIENT[..place], junk, &GRADIENT[place..]].concat();
             assert_eq!(mended(&dirty).unwrap(), GRADIENT, "{junk:?}");
+        }
+    }
+
+    #[test]
+    fn a_jpeg_without_some_of_its_tables_gets_the_standard_ones() {
+        let all: Vec<usize> = (0..GRADIENT.len() - 1)
+            .filter(|i| GRADIENT[*i..*i + 2] == [0xff, HUFFMAN_TABLES])
+            .collect();
+        for first in all {
+            let length = u16::from_be_bytes([GRADIENT[first + 2], GRADIENT[first + 3]]);
+            let rest = &GRADIENT[first + 2 + usize::from(length)..];
+            let bare = [&GRADIENT[..first], rest].concat();
+            let mended = mended(&bare).unwrap();
+            assert_eq!(mended.len(), bare.len() + MJPEG_SEGMENT.len());
+            assert_eq!(mended[2..20], MJPEG_SEGMENT);
         }
     }
 
