@@ -7,6 +7,8 @@ mod mutate;
 mod random;
 mod targets;
 
+use std::fs::File;
+use std::io::{Seek, Write};
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
@@ -95,13 +97,16 @@ fn fuzz(target: &Target, time: Duration, folder: &Path) -> Result<Tally> {
     let (started, mut tally) = (Instant::now(), Tally::default());
     let own = tempfile::tempdir()?;
     // An abort leaves the input that caused it.
-    let current = folder.join(format!("{}.current", target.name));
+    let path = folder.join(format!("{}.current", target.name));
+    let mut current = File::create(&path)?;
     while started.elapsed() < time && tally.findings.len() < FINDINGS_MAX {
         let mut random = Random::of(target.name, tally.runs);
         let seed = random.pick(&target.seeds);
         let seed = seed.clone();
         let input = mutated(&seed, target.structure, &mut random);
-        std::fs::write(&current, &input)?;
+        current.rewind()?;
+        current.write_all(&input)?;
+        current.set_len(u64::try_from(input.len())?)?;
         let before = Instant::now();
         let read = contained(target.name, || (target.read)(&input, own.path()));
         let took = before.elapsed();
@@ -119,6 +124,6 @@ fn fuzz(target: &Target, time: Duration, folder: &Path) -> Result<Tally> {
         }
         tally.runs += 1;
     }
-    std::fs::remove_file(&current)?;
+    std::fs::remove_file(&path)?;
     Ok(tally)
 }
