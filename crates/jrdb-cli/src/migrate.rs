@@ -60,7 +60,7 @@ pub enum MigrateError {
 }
 
 /// A step from one version to the next; nothing when the earlier one lacks what the next needs.
-type Step = fn(Value) -> Option<Value>;
+type Step = fn(&Value) -> Option<Value>;
 
 /// A kind of artefact.
 struct Kind {
@@ -83,7 +83,7 @@ fn kinds() -> [Kind; 8] {
         kind::<Rig>(&[(1, tree_of_frames)], "jrdb rig jrdb CALIBRATION --out rig.json"),
         kind::<Detections>(&[], "jrdb perceive --out detections.json"),
         kind::<Entities>(&[], "jrdb project --detections detections.json --dataset ROOT"),
-        kind::<SceneGraph>(&[(1, Some)], "jrdb graph --entities entities.json"),
+        kind::<SceneGraph>(&[(1, unchanged)], "jrdb graph --entities entities.json"),
         kind::<Query>(&[], "jrdb parse {}"),
         kind::<Answer>(&[], "jrdb search --graph scene_graph.json --text {}"),
         kind::<Questions>(&[], "jrdb synth --out SCENE"),
@@ -112,7 +112,7 @@ pub fn migrate(text: &str) -> Result<Migrated, MigrateError> {
     }
     for version in found..u64::from(present) {
         let step = kind.steps.iter().find(|(from, _)| *from == version);
-        let data = step.and_then(|(_, step)| step(artefact["data"].take()));
+        let data = step.and_then(|(_, step)| step(&artefact["data"]));
         let Some(data) = data else {
             let command = command(kind, text);
             return Err(MigrateError::Lacks { schema, found, present, command });
@@ -134,9 +134,14 @@ fn command(kind: &Kind, text: &str) -> String {
     kind.command.replace("{}", &format!("{:?}", question.unwrap_or("QUESTION")))
 }
 
+/// Fields were added only.
+fn unchanged(data: &Value) -> Option<Value> {
+    Some(data.clone())
+}
+
 /// Version 1 of a rig had one panorama around the base's origin and LiDARs with an offset that is subtracted; version 2
 /// is a tree of frames.
-fn tree_of_frames(rig: Value) -> Option<Value> {
+fn tree_of_frames(rig: &Value) -> Option<Value> {
     let mut lens = rig.get("panorama")?.clone();
     lens["model"] = json!("cylindrical");
     let forward = json!([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]);

@@ -242,7 +242,7 @@ fn remove_parts(folder: &Path, depth: usize) -> Result<(), Error> {
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let known = || FRAME_FILES.iter().chain([&RUN_FILE]);
         let is_of = |file: &&str| name.strip_prefix('.').is_some_and(|n| n.starts_with(*file));
-        if name.ends_with(jrdb_dataset::PART) && known().any(|file| is_of(&file)) {
+        if name.ends_with(jrdb_dataset::PART) && known().any(is_of) {
             remove(&path)?;
         }
     }

@@ -126,7 +126,9 @@ impl Loader {
 
     fn load(&self, path: &Path) -> Result<Box<dyn Engine>, Error> {
         let wrap = |source| Error::Engine { what: format!("{}", path.display()), source };
-        let size = std::fs::metadata(path).map_err(Error::read(path))?.len();
+        let file = std::fs::File::open(path).map_err(Error::read(path))?;
+        let size = file.metadata().map_err(Error::read(path))?.len();
+        jrdb_perception::check_onnx(file, size).map_err(wrap)?;
         let Some(library) = &self.library else {
             return Ok(Box::new(RtenEngine::from_file(path).map_err(wrap)?));
         };

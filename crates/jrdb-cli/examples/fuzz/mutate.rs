@@ -273,6 +273,9 @@ fn odd(value: &Value, random: &mut Random) -> Value {
         5 => json!(vec![value.clone(); 3]),
         6 => json!([[[[[[[[value.clone()]]]]]]]]),
         7 => json!(*random.pick(&NUMBERS)),
-        _ => serde_json::from_str::<Value>(*random.pick(&NUMBERS)).unwrap_or(Value::Null),
+        _ => {
+            let number: &&str = random.pick(&NUMBERS);
+            serde_json::from_str(number).unwrap_or(Value::Null)
+        }
     }
 }

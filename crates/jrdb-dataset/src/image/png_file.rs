@@ -84,7 +84,7 @@ fn check_chunks(bytes: &[u8]) -> Result<(), ImageError> {
         let length = u32::from_be_bytes([a, b, c, d]) as usize;
         let Some(data) = behind.get(..length) else { break };
         match &name {
-            b"PLTE" if length % COLOR_BYTES != 0 => {
+            b"PLTE" if !length.is_multiple_of(COLOR_BYTES) => {
                 let found = format!(
                     "expected {COLOR_BYTES} bytes per colour, found {length} bytes in PLTE"
                 );

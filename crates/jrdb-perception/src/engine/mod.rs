@@ -7,9 +7,7 @@
 mod device_tensor;
 mod error;
 mod interface;
-#[cfg(any(feature = "ort", feature = "rten"))]
 mod onnx_limits;
-#[cfg(any(feature = "ort", feature = "rten"))]
 mod onnx_wire;
 #[cfg(feature = "ort")]
 mod ort;
@@ -24,6 +22,7 @@ mod tensor;
 pub use self::device_tensor::{DeviceTensor, DeviceValue, Input};
 pub use self::error::{Cause, EngineError};
 pub use self::interface::{Engine, check_call};
+pub use self::onnx_limits::check_onnx;
 #[cfg(feature = "ort")]
 pub use self::ort::{OrtEngine, OrtLibrary, Sessions};
 #[cfg(feature = "rten")]

@@ -4,9 +4,7 @@
 //! looked at: the shapes that tensors and inputs state, and the operators whose output is as large as a constant says.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Cursor};
-use std::path::Path;
+use std::io::{self, Read, Seek};
 
 use super::error::EngineError;
 use super::onnx_wire::{Source, Value, Wire};
@@ -25,24 +23,13 @@ const FLOAT: u64 = 1;
 const INT32: u64 = 6;
 const INT64: u64 = 7;
 
-/// Checks an ONNX file before an engine loads it.
+/// Checks an ONNX file of so many bytes before an engine loads it.
 ///
 /// # Errors
-/// [`EngineError::Model`] when something in it is too large.
-pub(super) fn check_file(path: &Path, engine: &'static str) -> Result<(), EngineError> {
-    // A file that cannot be opened is the engine's to report.
-    let Ok(file) = File::open(path) else { return Ok(()) };
-    let bytes = file.metadata().map_or(0, |metadata| metadata.len());
-    check(file, bytes).map_err(|what| EngineError::Model { engine, source: what.into() })
-}
-
-/// Checks the bytes of an ONNX file before an engine loads them.
-///
-/// # Errors
-/// As [`check_file`].
-pub(super) fn check_bytes(bytes: &[u8], engine: &'static str) -> Result<(), EngineError> {
-    let checked = check(Cursor::new(bytes), bytes.len() as u64);
-    checked.map_err(|what| EngineError::Model { engine, source: what.into() })
+/// [`EngineError::TooLarge`] when a tensor states a shape of too many elements, or a constant makes an operator's
+/// output too large. What is no ONNX file passes: the engine says what is wrong with it.
+pub fn check_onnx(source: impl Read + Seek, bytes: u64) -> Result<(), EngineError> {
+    check(source, bytes).map_err(|found| EngineError::TooLarge { found })
 }
 
 /// What is no ONNX file passes: the engine says what is wrong with it.
@@ -239,8 +226,8 @@ impl<S: Source> Scan<S> {
     }
 
     fn check_dims(&mut self, what: &str, name: &str, dims: &[i64]) {
-        let lengths = dims.iter().map(|length| u64::try_from(*length).unwrap_or(0));
-        let elements = lengths.fold(Some(1_u64), |all, length| all?.checked_mul(length));
+        let mut lengths = dims.iter().map(|length| u64::try_from(*length).unwrap_or(0));
+        let elements = lengths.try_fold(1_u64, u64::checked_mul);
         if elements.is_none_or(|elements| elements > TENSOR_MAX) {
             self.refuse(format!(
                 "expected at most {TENSOR_MAX} elements in {what} {name:?}, found the shape {dims:?}"
@@ -279,6 +266,7 @@ impl<S: Source> Scan<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::io::Cursor;
 
     fn varint(mut n: u64) -> Vec<u8> {
         let mut bytes = Vec::new();

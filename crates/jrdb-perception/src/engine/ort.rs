@@ -11,7 +11,6 @@ use ort::session::{Session, SessionInputValue, SessionOutputs};
 use super::device_tensor::{DeviceTensor, Input};
 use super::error::{Cause, EngineError};
 use super::interface::{Engine, check_call};
-use super::onnx_limits::{check_bytes, check_file};
 use super::ort_value::{NAME, OrtValue, failed, given};
 
 /// An ONNX Runtime library in use by this process. Copies refer to the same library.
@@ -133,10 +132,6 @@ impl OrtEngine {
     }
 
     fn open(library: &OrtLibrary, source: Source, sessions: Sessions) -> Result<Self, EngineError> {
-        match &source {
-            Source::Bytes(bytes) => check_bytes(bytes, NAME)?,
-            Source::File(path) => check_file(path, NAME)?,
-        }
         let session = open(library, &source, sessions)?;
         let names = |outlets: &[ort::value::Outlet]| -> Vec<String> {
             outlets.iter().map(|outlet| outlet.name().to_owned()).collect()

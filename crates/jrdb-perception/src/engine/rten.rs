@@ -1,6 +1,7 @@
 //! rten: pure Rust, on the processor, needs nothing but this crate.
 
 use std::fmt;
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,7 +11,7 @@ use rten::{Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView};
 use super::device_tensor::{DeviceTensor, Input};
 use super::error::{Cause, EngineError};
 use super::interface::{Engine, check_call};
-use super::onnx_limits::{check_bytes, check_file};
+use super::onnx_limits::check_onnx;
 use super::rten_value::{NAME, RtenValue, failed, given};
 
 /// A model run by rten. Integers are computed in 32 bits.
@@ -37,16 +38,16 @@ impl RtenEngine {
     /// [`EngineError::Model`] if the bytes are not an ONNX model or use an operator unknown to
     /// rten.
     pub fn from_onnx(bytes: &[u8]) -> Result<Self, EngineError> {
-        check_bytes(bytes, NAME)?;
+        check_onnx(Cursor::new(bytes), bytes.len() as u64)?;
         Self::load(|| Model::load(bytes.to_vec()))
     }
 
-    /// Reads an ONNX model from a file, and weights that it keeps in files beside it.
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. Whether the file asks for too much
+    /// memory is to be checked before, with [`check_onnx`].
     ///
     /// # Errors
     /// [`EngineError::Model`] if the file is not an ONNX model or uses an operator unknown to rten.
     pub fn from_file(path: &Path) -> Result<Self, EngineError> {
-        check_file(path, NAME)?;
         Self::load(|| Model::load_file(path))
     }
 
