@@ -4,6 +4,7 @@
 
 mod budget;
 mod cycles;
+mod fuzz;
 mod law;
 mod peers;
 mod pipeline;
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         "models" => pipeline::models(rest),
         "scenes" => pipeline::scenes(),
         "budget" => budget::budget(rest),
+        "fuzz" => fuzz::fuzz(rest),
         "peers" => peers::peers(rest),
         "tidy" => tidy::tidy(),
         "ci" => run(Command::new("bash").arg(".ci/run")),

@@ -55,7 +55,7 @@ fn bundled_run(flags: &[String]) -> Result<()> {
         command.args(["--perception", "demo"]);
     }
     if !is_given("--out") {
-        command.args(["--artifacts", "--out", "out"]);
+        command.args(["--artifacts", "--out", "out", "--overwrite"]);
     }
     if !is_given(VERBOSE) && !is_given("--format") && !is_given("--explain") {
         command.arg("--brief");

@@ -18,6 +18,7 @@ cargo xtask budget                           count each kernel's instructions ag
 cargo xtask budget --accept                  rewrite the budgets; say in the commit why one rose
 cargo xtask peers [--peers DIR] [--python PATH]
                                              time our kernels beside what people run today, and print the ratios
+cargo xtask fuzz [TARGET] [--seconds N]      feed changed inputs to every reader; what does harm is saved in target/fuzz
 cargo xtask tidy                             check the rules of docs/architecture.md and docs/style.md
 cargo xtask ci                               all that CI runs";
 

@@ -31,8 +31,12 @@ fn main() -> Result<()> {
     for choice in [EngineChoice::Rten, EngineChoice::Ort] {
         let profile = Profile::default();
         let models = folder.clone();
-        let options =
-            EngineOptions { choice, library: None, profile: Some(profile.clone()), models };
+        let options = EngineOptions {
+            choice,
+            profile: Some(profile.clone()),
+            models,
+            ..EngineOptions::default()
+        };
         match Loader::new(&options) {
             Ok(loader) => measure(&florence2(&graphs, Path::new(""), &loader)?, &profile)?,
             Err(error) => println!("{choice:?}: {error}"),

@@ -18,9 +18,18 @@ pub enum Error {
     /// A model failed.
     #[error(transparent)]
     Perception(#[from] jrdb_perception::PerceptionError),
-    /// The labels of a frame's sequence cannot be read.
-    #[error("{0}")]
-    Labels(String),
+    /// People and objects are to be taken from labels, and there are none.
+    #[error(
+        "expected labels of {sequences} in {root:?}, found none: name another source of people and \
+         objects with --perception, such as light (models, see jrdb models fetch), file:PATH \
+         (detections) or replay:PATH (replies of a model)"
+    )]
+    NoLabels {
+        /// Names of the sequences.
+        sequences: String,
+        /// The tree.
+        root: PathBuf,
+    },
     /// A file could not be read or written.
     #[error("cannot {action} {path:?}: {source}")]
     File {
@@ -50,6 +59,7 @@ impl Error {
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::File { action: "write", .. }
+            | Self::Dataset(jrdb_dataset::Error::Write { .. })
             | Self::Models(jrdb_models::Error::Fetch { .. } | jrdb_models::Error::Write { .. }) => {
                 1
             }

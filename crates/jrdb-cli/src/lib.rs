@@ -3,14 +3,20 @@
 pub mod calib;
 pub mod evaluation;
 pub mod health;
+pub mod inputs;
+pub mod interrupt;
+pub mod migrate;
 pub mod output;
 pub mod questions;
 pub mod report;
 pub mod result;
 pub mod run;
+pub mod run_folder;
 pub mod source;
 
+mod description;
 mod error;
+mod guard;
 
 pub use error::Error;
 pub use result::{FrameOutput, FrameResult, RunSummary};

@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
+    keep_contained_panics_quiet();
     match commands::dispatch(commands::Cli::parse()) {
         Ok(code) => code,
         Err(error) => {
@@ -18,4 +19,16 @@ fn main() -> ExitCode {
             ExitCode::from(commands::exit_code(&error))
         }
     }
+}
+
+/// A contained panic is reported as an error of its frame, so the hook prints only the others; with
+/// `RUST_BACKTRACE` set it prints all.
+fn keep_contained_panics_quiet() {
+    let usual = std::panic::take_hook();
+    let wants_all = std::env::var_os("RUST_BACKTRACE").is_some_and(|value| value != "0");
+    std::panic::set_hook(Box::new(move |panic| {
+        if wants_all || !jrdb_types::is_contained() {
+            usual(panic);
+        }
+    }));
 }

@@ -1,52 +1,55 @@
 //! What a run leaves in its `--out` folder.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use jrdb_dataset::PngCompression;
 use jrdb_draw::{Caption, FrameView, draw_panorama, draw_top_view};
+use jrdb_models::sha256_hex;
 use jrdb_pipeline::PipelineConfig;
-use jrdb_types::{Artefact, FrameId, Image, Payload, Scores};
+use jrdb_types::{Artefact, Detections, FrameId, Image, Payload, Question, Scores};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use crate::Error;
+use crate::inputs::Inputs;
 use crate::questions::Answered;
 use crate::result::FrameOutput;
 
-/// How the output folder is divided: one level per sequence, frame and question, each left out where
-/// there is only one.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Layout {
-    by_sequence: bool,
-    by_frame: bool,
-    by_question: bool,
+/// File of the digests of a frame's inputs; it is written last, so a frame that has it is complete.
+const INPUTS_FILE: &str = "inputs.json";
+/// Hexadecimal digits of a question's digest in the name of its folder: two of a million questions
+/// agree in one of a hundred thousand cases.
+const DIGEST_DIGITS: usize = 14;
+
+/// Where the files of a frame are: `SEQUENCE/000012`.
+fn frame_folder(root: &Path, frame: &FrameId) -> PathBuf {
+    root.join(&frame.sequence).join(format!("{:06}", frame.frame))
 }
 
-impl Layout {
-    /// The layout for these frames with at most `questions` questions each.
-    #[must_use]
-    pub fn of(frames: &[&FrameId], questions: usize) -> Self {
-        let sequences = frames.iter().any(|frame| frame.sequence != frames[0].sequence);
-        let numbers = frames.windows(2).any(|pair| pair[0].sequence == pair[1].sequence);
-        Self { by_sequence: sequences, by_frame: numbers, by_question: questions > 1 }
-    }
+/// Name of the folder of a question's files: it depends on the question alone.
+fn question_folder(question: &Question) -> String {
+    let slots =
+        if question.slots.is_empty() { String::new() } else { json!(question.slots).to_string() };
+    let digest = sha256_hex(format!("{}\n{slots}", question.text).as_bytes());
+    format!("q{}", &digest[..DIGEST_DIGITS])
+}
 
-    fn frame(self, root: &Path, frame: &FrameId) -> PathBuf {
-        let sequence =
-            if self.by_sequence { root.join(&frame.sequence) } else { root.to_path_buf() };
-        if self.by_frame { sequence.join(format!("{:06}", frame.frame)) } else { sequence }
-    }
-
-    fn question(self, frame: &Path, number: usize) -> PathBuf {
-        if self.by_question { frame.join(format!("q{number:02}")) } else { frame.to_path_buf() }
-    }
+/// The folders of a frame's questions. A question that is asked again has a number behind its name.
+fn question_folders<'q>(questions: impl Iterator<Item = &'q Question>) -> Vec<String> {
+    let mut seen = BTreeMap::new();
+    let name = |question: &Question| {
+        let name = question_folder(question);
+        let count = seen.entry(name.clone()).and_modify(|count| *count += 1).or_insert(1_usize);
+        if *count == 1 { name } else { format!("{name}-{count}") }
+    };
+    questions.map(name).collect()
 }
 
 /// Writes answers, pictures and artefacts.
 pub struct Writer {
     root: PathBuf,
-    layout: Layout,
     config: Arc<PipelineConfig>,
     written: Written,
 }
@@ -63,18 +66,33 @@ pub enum Written {
 impl Writer {
     /// A writer below `root`.
     #[must_use]
-    pub fn new(root: &Path, layout: Layout, config: Arc<PipelineConfig>, written: Written) -> Self {
-        Self { root: root.into(), layout, config, written }
+    pub fn new(root: &Path, config: Arc<PipelineConfig>, written: Written) -> Self {
+        Self { root: root.into(), config, written }
     }
 
-    /// Writes what one frame came to: `answer.json`, `panorama.png` and `top_view.png` per question, and
-    /// the stages' artefacts when they are asked for.
+    /// Whether an earlier run into this folder completed a frame with the same inputs.
+    #[must_use]
+    pub fn has(&self, frame: &FrameId, inputs: &Inputs) -> bool {
+        let path = frame_folder(&self.root, frame).join(INPUTS_FILE);
+        let text = std::fs::read_to_string(path).unwrap_or_default();
+        serde_json::from_str::<Inputs>(&text).is_ok_and(|there| there == *inputs)
+    }
+
+    /// The detections that an earlier run has written of a frame.
+    #[must_use]
+    pub fn detections(&self, frame: &FrameId) -> Option<Detections> {
+        let folder = frame_folder(&self.root, frame);
+        read_artefact(&folder.join("detections.json")).ok()
+    }
+
+    /// Writes what one frame came to: `answer.json`, `panorama.png` and `top_view.png` per question, the stages' artefacts
+    /// when they are asked for, and last the digests of its inputs.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn frame(&self, output: &FrameOutput) -> Result<(), Error> {
+    pub fn frame(&self, output: &FrameOutput, inputs: &Inputs) -> Result<(), Error> {
         let scene = &output.scene;
-        let folder = self.layout.frame(&self.root, scene.id());
+        let folder = frame_folder(&self.root, scene.id());
         if let Written::Artefacts(perception) = &self.written {
             let (projection, graph) = (json!(self.config.projection), json!(self.config.graph));
             let file = |name: &str| folder.join(name);
@@ -89,13 +107,16 @@ impl Writer {
             entities: &scene.entities().entities,
         };
         if output.answered.is_empty() {
-            pictures(&folder, &view, None)?;
+            pictures(&folder, &view, None, Drawn::Now)?;
         }
         // Pictures take most of the time of a run, and each stands alone.
-        output.answered.par_iter().enumerate().try_for_each(|(index, answered)| {
-            let folder = self.layout.question(&folder, index + 1);
-            self.question(&folder, &view, answered)
-        })
+        let folders = question_folders(output.answered.iter().map(|one| &one.question));
+        let drawn = if self.has(scene.id(), inputs) { Drawn::Earlier } else { Drawn::Now };
+        let questions = output.answered.par_iter().zip(&folders);
+        questions
+            .try_for_each(|(one, name)| self.question(&folder.join(name), &view, one, drawn))?;
+        let text = serde_json::to_string_pretty(inputs).unwrap_or_default();
+        write(&folder.join(INPUTS_FILE), format!("{text}\n").as_bytes())
     }
 
     fn question(
@@ -103,6 +124,7 @@ impl Writer {
         folder: &Path,
         view: &FrameView<'_>,
         answered: &Answered,
+        drawn: Drawn,
     ) -> Result<(), Error> {
         let (question, answer) = (&answered.question.text, &answered.answer);
         if matches!(self.written, Written::Artefacts(_)) {
@@ -111,15 +133,16 @@ impl Writer {
         }
         let worded = jrdb_render::with_words(answer.clone());
         write_artefact(&folder.join("answer.json"), json!(self.config.search), &worded)?;
-        pictures(folder, view, Some(Caption { question, answer }))
+        pictures(folder, view, Some(Caption { question, answer }), drawn)
     }
 
-    /// Writes the answer to a question about a recording: `recording_01.json` and so on.
+    /// Writes the answer to a question about a recording: `SEQUENCE/recording/QUESTION/answer.json`.
     ///
     /// # Errors
     /// When the file cannot be written.
-    pub fn recording(&self, index: usize, answered: &Answered) -> Result<(), Error> {
-        let path = self.root.join(format!("recording_{:02}.json", index + 1));
+    pub fn recording(&self, answered: &Answered) -> Result<(), Error> {
+        let folder = self.root.join(&answered.answer.frame.sequence).join("recording");
+        let path = folder.join(question_folder(&answered.question)).join("answer.json");
         let answer = jrdb_render::with_words(answered.answer.clone());
         write_artefact(&path, json!(self.config.search), &answer)
     }
@@ -133,14 +156,28 @@ impl Writer {
     }
 }
 
+/// When a frame's pictures are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Drawn {
+    /// In this run.
+    Now,
+    /// In an earlier run from the same inputs: those that are there stay.
+    Earlier,
+}
+
 fn pictures(
     folder: &Path,
     view: &FrameView<'_>,
     caption: Option<Caption<'_>>,
+    drawn: Drawn,
 ) -> Result<(), Error> {
+    let files = ["panorama.png", "top_view.png"].map(|name| folder.join(name));
+    if drawn == Drawn::Earlier && files.iter().all(|path| path.is_file()) {
+        return Ok(());
+    }
     let png = |image: &Image| jrdb_dataset::encode_png(image, PngCompression::Quick);
-    write(&folder.join("panorama.png"), &png(&draw_panorama(view, caption)))?;
-    write(&folder.join("top_view.png"), &png(&draw_top_view(view, caption)))
+    write(&files[0], &png(&draw_panorama(view, caption)))?;
+    write(&files[1], &png(&draw_top_view(view, caption)))
 }
 
 /// Writes an artefact, with the folders it needs.
@@ -166,39 +203,41 @@ pub fn read_artefact<T: Payload>(path: &Path) -> Result<T, Error> {
     Ok(artefact.data)
 }
 
-/// Writes a file, with the folders it needs.
+/// Writes a file, with the folders it needs, whole or not at all.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let fail = |source| Error::file("write", path, source);
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder).map_err(fail)?;
-    }
-    std::fs::write(path, bytes).map_err(fail)
+    Ok(jrdb_dataset::write_file(path, bytes)?)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn id(sequence: &str, frame: u32) -> FrameId {
-        FrameId { sequence: sequence.into(), frame }
+    fn asked(text: &str) -> Question {
+        let frame = FrameId { sequence: "cafe".into(), frame: 12 };
+        let (category, slots, truth) = (String::new(), Vec::new(), None);
+        Question { text: text.into(), category, frame, slots, truth }
     }
 
     #[test]
-    fn one_of_everything_needs_no_folders() {
-        let cafe = id("cafe", 3);
-        let layout = Layout::of(&[&cafe], 1);
-        let folder = layout.frame(Path::new("out"), &cafe);
-        assert_eq!(layout.question(&folder, 1), Path::new("out"));
+    fn a_questions_folder_depends_on_the_question_alone() {
+        let [near, far] = ["who is near me?", "who is far away?"].map(asked);
+        let folders = |questions: &[&Question]| question_folders(questions.iter().copied());
+        let (alone, beside) = (folders(&[&near]), folders(&[&far, &near]));
+        assert_eq!(alone[0], beside[1]);
+        assert_ne!(beside[0], beside[1]);
+        assert_eq!(alone[0].len(), 1 + DIGEST_DIGITS);
+        let twice = folders(&[&near, &far, &near]);
+        assert_eq!((&twice[0], &twice[2]), (&alone[0], &format!("{}-2", alone[0])));
+        let in_time = Question { slots: vec![vec![0, 1]], ..near.clone() };
+        assert_ne!(folders(&[&in_time]), alone);
     }
 
     #[test]
-    fn several_of_everything_have_a_folder_each() {
-        let frames = [id("cafe", 0), id("cafe", 1), id("plaza", 0)];
-        let layout = Layout::of(&frames.iter().collect::<Vec<_>>(), 2);
-        let folder = layout.frame(Path::new("out"), &frames[1]);
-        assert_eq!(layout.question(&folder, 2), Path::new("out/cafe/000001/q02"));
+    fn a_frames_folder_depends_on_the_frame_alone() {
+        let frame = FrameId { sequence: "cafe".into(), frame: 12 };
+        assert_eq!(frame_folder(Path::new("out"), &frame), Path::new("out/cafe/000012"));
     }
 }

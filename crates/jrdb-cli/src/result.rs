@@ -32,6 +32,8 @@ pub struct RunSummary {
     pub scores: Option<Scores>,
     /// Questions of the file that no frame of this run could answer.
     pub unasked: usize,
+    /// Whether the run was ended before all its frames were worked on.
+    pub is_cut_short: bool,
     /// Frames that could not be done, and why.
     pub failures: Vec<(FrameId, String)>,
     /// How many frames were good, and how many questions are open.

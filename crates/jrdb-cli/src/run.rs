@@ -19,13 +19,19 @@ use jrdb_pipeline::{
     Frame, Pipeline, PipelineConfig, PlacedFrame, Recording, Robot, Scene, baseline,
 };
 use jrdb_projection::Motions;
-use jrdb_types::{Answer, FrameId, ImageGeometry, Query, Question};
+use jrdb_types::{Answer, Detections, FrameId, ImageGeometry, Query, Question};
+use serde_json::{Value, json};
 
 use crate::Error;
+use crate::description::{Work, describe};
+use crate::guard::guarded;
 use crate::health::{FrameHealth, Health};
-use crate::output::{Layout, Writer, Written};
+use crate::inputs::Inputs;
+use crate::interrupt::Interrupt;
+use crate::output::{Writer, Written};
 use crate::questions::{Answered, FrameQuestions, ReadQuestion};
 use crate::result::{FrameOutput, FrameResult, RunSummary};
+use crate::run_folder::{Existing, Found, RunFolder};
 use crate::source::{FrameSource, RobotOptions, Source, list_frames, open_perception};
 
 /// What to run, on what, and where to write.
@@ -57,8 +63,22 @@ pub struct RunOptions {
     pub threads: Option<usize>,
     /// Folder for answers and pictures.
     pub out: Option<PathBuf>,
+    /// What is done when that folder holds another run.
+    pub existing: Existing,
+    /// Ends the run before the next frame.
+    pub interrupt: Interrupt,
     /// Whether every stage's artefact is written too.
     pub artifacts: bool,
+}
+
+impl RunOptions {
+    /// What of the options shapes the output.
+    fn described(&self) -> Value {
+        json!({
+            "robot_stands": self.robot_stands, "baseline": self.baseline, "artifacts": self.artifacts,
+            "demographics": format!("{:?}", self.demographics).to_lowercase(), "config": self.config,
+        })
+    }
 }
 
 /// A run whose frames, questions and models are known, ready to go.
@@ -70,6 +90,7 @@ pub struct Run<'o> {
     config: Arc<PipelineConfig>,
     metrics: MetricsConfig,
     writer: Option<Writer>,
+    folder: Option<RunFolder>,
     threads: NonZeroUsize,
     pool: rayon::ThreadPool,
 }
@@ -93,21 +114,40 @@ impl<'o> Run<'o> {
         if !perception.tracks() {
             questions.forget_names();
         }
-        let ids: Vec<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
-        let layout = Layout::of(&ids, questions.most());
+        let (robot, source) = (&options.robot, &options.perception);
+        let open = |root| {
+            let (frames, questions, perception) = (&frames, &questions, &perception);
+            let work = Work { frames, questions, robot, source, perception };
+            RunFolder::open(root, describe(&work, &options.described()), options.existing)
+        };
+        let folder = options.out.as_deref().map(open).transpose()?;
         let config = Arc::new(options.config.clone());
         let writer = options.out.as_ref().map(|root| {
             let written = match options.artifacts {
                 true => Written::Artefacts(perception.config()),
                 false => Written::Answers,
             };
-            Writer::new(root, layout, config.clone(), written)
+            Writer::new(root, config.clone(), written)
         });
-        let pool = pool(options.threads)?;
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(options.threads.unwrap_or(0)).build();
+        let no_pool = |error| Error::Usage(format!("cannot start worker threads: {error}"));
+        let pool = pool.map_err(no_pool)?;
         let threads = NonZeroUsize::new(pool.current_num_threads()).unwrap_or(NonZeroUsize::MIN);
         let metrics = metrics_config(&options.config, frames[0].robot.image());
         let perception = Arc::new(perception);
-        Ok(Self { options, frames, questions, perception, config, metrics, writer, threads, pool })
+        Ok(Self {
+            options,
+            frames,
+            questions,
+            perception,
+            config,
+            metrics,
+            writer,
+            folder,
+            threads,
+            pool,
+        })
     }
 
     /// How many frames there are.
@@ -133,8 +173,10 @@ impl<'o> Run<'o> {
         mut on_frame: impl FnMut(FrameResult) -> ControlFlow<()>,
     ) -> Result<RunSummary, Error> {
         let mut tally = Tally::new(self);
+        let mut count = 0;
         let each = |result: FrameResult| {
             tally.add(&result);
+            count += 1;
             on_frame(result)
         };
         // Things are seen to move only while the robot stands, and only where ids are tracks.
@@ -142,22 +184,32 @@ impl<'o> Run<'o> {
             self.moving_frames(each);
         } else {
             let work = |(frame, questions): (&FrameSource, &Vec<ReadQuestion>)| {
-                let output = self.pool.install(|| self.frame(frame, questions));
+                let output = guarded(|| self.pool.install(|| self.frame(frame, questions)));
                 FrameResult { id: frame.id.clone(), output }
             };
-            let frames = self.frames.iter().zip(&self.questions.per_frame);
-            in_order(frames, self.threads, work, each);
+            in_order(self.due().zip(&self.questions.per_frame), self.threads, work, each);
         }
-        let summary = tally.summary();
-        if let Some(writer) = &self.writer {
-            for (index, answered) in summary.recordings.iter().enumerate() {
-                writer.recording(index, answered)?;
-            }
-            if let Some(scores) = &summary.scores {
-                writer.scores(scores)?;
-            }
+        let is_cut_short = count < self.frames.len();
+        let summary = RunSummary { is_cut_short, ..tally.summary() };
+        if !is_cut_short {
+            self.write_summary(&summary)?;
         }
         Ok(summary)
+    }
+
+    /// Writes what all frames together come to, and notes that the folder is complete when no frame failed.
+    fn write_summary(&self, summary: &RunSummary) -> Result<(), Error> {
+        let Some(writer) = &self.writer else { return Ok(()) };
+        summary.recordings.iter().try_for_each(|answered| writer.recording(answered))?;
+        summary.scores.iter().try_for_each(|scores| writer.scores(scores))?;
+        let folder = self.folder.as_ref().filter(|_| summary.failures.is_empty());
+        folder.map_or(Ok(()), RunFolder::complete)
+    }
+
+    /// What `--out` held before, where there is one.
+    #[must_use]
+    pub fn found(&self) -> Option<Found> {
+        self.folder.as_ref().map(RunFolder::found)
     }
 
     /// Frames in two steps: places first, then, once the neighbouring frames have theirs, everything that motion decides.
@@ -168,13 +220,11 @@ impl<'o> Run<'o> {
             scope.spawn(move || {
                 let place = |frame: &FrameSource| {
                     let pipeline = self.pipeline(&frame.robot);
-                    self.pool.install(|| pipeline.place(self.read(frame)))
+                    guarded(|| self.pool.install(|| pipeline.place(self.read(frame))))
                 };
-                in_order(self.frames.iter(), self.threads, place, |result| {
-                    match send.send(result) {
-                        Ok(()) => ControlFlow::Continue(()),
-                        Err(_) => ControlFlow::Break(()),
-                    }
+                in_order(self.due(), self.threads, place, |result| match send.send(result) {
+                    Ok(()) => ControlFlow::Continue(()),
+                    Err(_) => ControlFlow::Break(()),
                 });
             });
             let frames = self.frames.iter().zip(&self.questions.per_frame);
@@ -187,13 +237,18 @@ impl<'o> Run<'o> {
             let work = |(motions, (placed, frame, questions)): Moving<'_>| {
                 let complete = |placed| {
                     let scene = self.pipeline(&frame.robot).complete(placed, &motions);
-                    self.pool.install(|| self.answer(scene, questions))
+                    self.pool.install(|| self.answer(frame, scene, questions))
                 };
-                let output = placed.map_err(Error::from).and_then(complete);
+                let output = guarded(|| placed.map_err(Error::from).and_then(complete));
                 FrameResult { id: frame.id.clone(), output }
             };
             in_order(moving, self.threads, work, each);
         });
+    }
+
+    /// The frames until the run is interrupted.
+    fn due(&self) -> impl Iterator<Item = &FrameSource> + Send {
+        self.frames.iter().take_while(|_| self.options.interrupt.came().is_none())
     }
 
     fn pipeline(&self, robot: &Arc<Robot>) -> Pipeline {
@@ -212,26 +267,43 @@ impl<'o> Run<'o> {
     fn frame(&self, frame: &FrameSource, questions: &[ReadQuestion]) -> Result<FrameOutput, Error> {
         let pipeline = self.pipeline(&frame.robot);
         if !self.options.baseline {
-            return self.answer(pipeline.see(self.read(frame))?, questions);
+            let scene = match self.known_detections(frame) {
+                Some(known) => pipeline.see_detections(self.read(frame), known)?,
+                None => pipeline.see(self.read(frame))?,
+            };
+            return self.answer(frame, scene, questions);
         }
         let of_now: Vec<_> = questions.iter().filter(|one| !one.speaks_of_time()).collect();
         let queries: Vec<&Query> = of_now.iter().map(|one| &*one.query).collect();
         let (scene, answers) = baseline::answer(&pipeline, self.read(frame), &queries)?;
         let answered = of_now.into_iter().zip(answers);
         let answered = answered.map(|(one, answer)| self.answered(one, answer)).collect();
-        self.written(FrameOutput { scene, answered })
+        self.written(frame, FrameOutput { scene, answered })
+    }
+
+    /// The detections of a frame that an earlier run into the same folder completed: models need not look again.
+    fn known_detections(&self, frame: &FrameSource) -> Option<Detections> {
+        let writer = self.writer.as_ref().filter(|_| self.options.artifacts)?;
+        let is_continued = self.found() != Some(Found::Nothing);
+        let is_there = is_continued && writer.has(&frame.id, &Inputs::of_frame(frame));
+        is_there.then(|| writer.detections(&frame.id))?
     }
 
     /// Answers every question that one frame can answer; those that speak of time are left to the recording.
-    fn answer(&self, scene: Scene, questions: &[ReadQuestion]) -> Result<FrameOutput, Error> {
+    fn answer(
+        &self,
+        frame: &FrameSource,
+        scene: Scene,
+        questions: &[ReadQuestion],
+    ) -> Result<FrameOutput, Error> {
         let of_now = questions.iter().filter(|one| !one.speaks_of_time());
         let answered = of_now.map(|one| self.answered(one, scene.ask_query(&one.query))).collect();
-        self.written(FrameOutput { scene, answered })
+        self.written(frame, FrameOutput { scene, answered })
     }
 
-    fn written(&self, output: FrameOutput) -> Result<FrameOutput, Error> {
+    fn written(&self, frame: &FrameSource, output: FrameOutput) -> Result<FrameOutput, Error> {
         if let Some(writer) = &self.writer {
-            writer.frame(&output)?;
+            writer.frame(&output, &Inputs::of_frame(frame))?;
         }
         Ok(output)
     }
@@ -246,11 +318,6 @@ impl<'o> Run<'o> {
 
 type Moving<'a> =
     (Motions, (Result<PlacedFrame, jrdb_pipeline::Error>, &'a FrameSource, &'a Vec<ReadQuestion>));
-
-fn pool(threads: Option<usize>) -> Result<rayon::ThreadPool, Error> {
-    let builder = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0));
-    builder.build().map_err(|error| Error::Usage(format!("cannot start worker threads: {error}")))
-}
 
 /// The metrics' configuration, with the panorama's circumference when nobody has set it.
 pub(crate) fn metrics_config(config: &PipelineConfig, image: ImageGeometry) -> MetricsConfig {
@@ -331,6 +398,7 @@ impl<'r> Tally<'r> {
         let scores =
             (!outcomes.is_empty()).then(|| jrdb_metrics::evaluate(&outcomes, &self.run.metrics));
         let unasked = self.run.questions.unasked;
-        RunSummary { recordings, scores, unasked, failures: self.failures, health: self.health }
+        let (failures, health) = (self.failures, self.health);
+        RunSummary { recordings, scores, unasked, is_cut_short: false, failures, health }
     }
 }

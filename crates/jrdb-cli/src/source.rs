@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use jrdb_dataset::Dataset;
 use jrdb_dataset::cloud::CloudColumns;
+use jrdb_dataset::{Dataset, Decoded, check_sequence_name};
 use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::EngineOptions;
 use jrdb_models::{Perception, PerceptionOptions, PerceptionSource, SequenceSource};
@@ -139,12 +139,14 @@ pub fn list_frames(
             Source::Sequence { name, .. } => vec![name.clone()],
         };
         for sequence in sequences {
+            // Folders of --out are named like the sequences.
+            check_sequence_name(&sequence)?;
             if !seen.insert(sequence.clone()) {
                 let message =
                     format!("expected every sequence once, found {sequence:?} in two sources");
                 return Err(Error::Usage(message));
             }
-            for frame in dataset.frames(&sequence)? {
+            for frame in frames_of(&dataset, &sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
                     let (dataset, robot) = (dataset.clone(), robot.clone());
@@ -164,6 +166,19 @@ pub fn list_frames(
 fn rig_doubts(rig: &Rig) -> Vec<Issue> {
     let doubts = jrdb_dataset::rig::doubts(rig).into_iter();
     doubts.map(|doubt| Issue::new(IssueKind::DoubtfulInput, format!("rig: {doubt}"))).collect()
+}
+
+/// The frames of a sequence; a name that the tree lacks is told with those that it has.
+fn frames_of(dataset: &Dataset, sequence: &str) -> Result<Vec<u32>, Error> {
+    match dataset.frames(sequence) {
+        Err(jrdb_dataset::Error::Absent { .. }) => {
+            let (known, root) = (dataset.sequences()?.join(", "), dataset.root());
+            let message =
+                format!("expected one of the sequences {known}, found {sequence:?}, in {root:?}");
+            Err(Error::Usage(message))
+        }
+        found => Ok(found?),
+    }
 }
 
 impl FrameSource {
@@ -188,15 +203,15 @@ impl FrameSource {
 
     /// The image, decoded when something needs it. What its file's header and end tell against it is known at once.
     fn camera_image(&self) -> CameraImage {
-        let header = self.dataset.image_header(&self.id.sequence, self.id.frame);
-        let checked = header.map_err(|error| self.missing(&error));
-        match checked.and_then(|header| self.fits(header.size_px).map(|()| header.is_complete)) {
+        let size_px = self.size_px();
+        let header = self.dataset.image_header_of(&self.id.sequence, self.id.frame, size_px);
+        match header.map_err(|error| self.missing(&error)) {
             Err(issue) => CameraImage::missing(issue),
-            Ok(true) => {
+            Ok(header) if header.is_complete => {
                 let source = self.clone();
-                CameraImage::on_demand(move || source.image())
+                CameraImage::on_demand(move || source.decoded())
             }
-            Ok(false) => self.image().map_or_else(CameraImage::missing, CameraImage::ready),
+            Ok(_) => CameraImage::known(self.decoded()),
         }
     }
 
@@ -205,26 +220,30 @@ impl FrameSource {
     /// # Errors
     /// An issue when it is absent, broken, or of another size than the calibration's.
     pub fn image(&self) -> Result<Image, Issue> {
-        let image = self.dataset.image(&self.id.sequence, self.id.frame);
-        let image = image.map_err(|error| self.missing(&error))?;
-        self.fits([image.width, image.height]).map(|()| image)
+        self.decoded().map(|(image, _)| image)
+    }
+
+    /// The panorama, with what there is to remark about it.
+    fn decoded(&self) -> Result<(Image, Option<Issue>), Issue> {
+        let FrameId { sequence, frame } = &self.id;
+        let decoded = self.dataset.image_of(sequence, *frame, self.size_px());
+        let Decoded { image, remark } = decoded.map_err(|error| self.missing(&error))?;
+        let about = |remark| {
+            let path = self.dataset.image_path(sequence, *frame).unwrap_or_default();
+            let place = path.strip_prefix(self.dataset.root()).unwrap_or(&path).display();
+            Issue::new(IssueKind::MissingInput, format!("{place}: {remark}"))
+        };
+        Ok((image, remark.map(about)))
     }
 
     fn missing(&self, error: &jrdb_dataset::Error) -> Issue {
         Issue::new(IssueKind::MissingInput, self.dataset.error_text(error))
     }
 
-    fn fits(&self, found: [usize; 2]) -> Result<(), Issue> {
+    /// Columns and rows of the robot's camera.
+    fn size_px(&self) -> [usize; 2] {
         let geometry = self.robot.image();
-        let expected = [geometry.width_px, geometry.height_px].map(|side| side as usize);
-        let file = self.dataset.image_name(&self.id.sequence, self.id.frame);
-        let message = || {
-            format!(
-                "expected an image of {expected:?} px as in the calibration, found {found:?} in {file}"
-            )
-        };
-        let is_right = found == expected;
-        is_right.then_some(()).ok_or_else(|| Issue::new(IssueKind::MissingInput, message()))
+        [geometry.width_px, geometry.height_px].map(|side| side as usize)
     }
 
     /// Reads the frame's sweeps, one per LiDAR; what is missing or broken is an issue.
@@ -253,6 +272,12 @@ pub fn open_perception(
                 image: frame.robot.image(),
             });
         }
+    }
+    let is_labelled = |one: &SequenceSource| one.dataset.has_labels(&one.name);
+    if let (PerceptionSource::Labels, false) = (source, sequences.iter().any(is_labelled)) {
+        let names: Vec<&str> = sequences.iter().map(|one| one.name.as_str()).collect();
+        let root = frames[0].dataset.root().into();
+        return Err(Error::NoLabels { sequences: names.join(", "), root });
     }
     let options = PerceptionOptions { engine: engine.clone(), demographics, sequences };
     Ok(Perception::open_source(source, &options)?)

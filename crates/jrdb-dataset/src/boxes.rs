@@ -32,18 +32,7 @@ pub(crate) fn usual_id(id: EntityId) -> EntityId {
 
 /// The box with `x` inside a wrapping image, or what is wrong with it.
 pub(crate) fn checked(bbox: PixelBox, image: ImageGeometry) -> Result<PixelBox, String> {
-    let numbers = <[f64; 4]>::from(bbox);
-    if !bbox.is_proper() {
-        return Err(format!("expected a box with an area, found {numbers:?}"));
-    }
-    let bbox = image.period_px().map_or(bbox, |period| bbox.wrapped(period));
-    let frame = [0.0, 0.0, f64::from(image.width_px), f64::from(image.height_px)];
-    if bbox.intersection_px2(&PixelBox::from(frame)) > 0.0 {
-        Ok(bbox)
-    } else {
-        let (width, height) = (image.width_px, image.height_px);
-        Err(format!("expected a box inside {width} x {height} pixels, found {numbers:?}"))
-    }
+    image.checked_box(bbox).map_err(|error| error.to_string())
 }
 
 /// The category of a class name: people have one name, everything else its own.

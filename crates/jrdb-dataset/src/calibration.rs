@@ -8,7 +8,7 @@ use jrdb_types::{Camera, CylindricalPanorama, LensModel, Lidar, Rig, Rotation, T
 use serde::Deserialize;
 
 use crate::number::{Reals, exactly};
-use crate::{Error, file};
+use crate::{Error, file, picture_size};
 
 /// The cameras whose medians make the panorama's focal length and horizon.
 pub(crate) const PANORAMA_SENSORS: [&str; 5] =
@@ -79,10 +79,7 @@ impl OfficialCalibration {
         let path = file::named(folder, "defaults.yaml");
         let defaults: DefaultsFile = file::read_yaml(&path, "lidar mounts and an image size")?;
         let ImageEntry { width: width_px, height: height_px } = defaults.image;
-        if width_px == 0 || height_px == 0 {
-            let found = format!("{width_px} x {height_px}");
-            return Err(Error::content(&path, "an image with pixels", found));
-        }
+        picture_size::check([width_px, height_px], ["image.width", "image.height"], &path)?;
         let lidars = LIDARS
             .iter()
             .map(|(name, key)| mount(name, key, &defaults, &path))

@@ -7,7 +7,7 @@ use jrdb_types::ArtefactError;
 use crate::cloud::CloudError;
 use crate::image_error::ImageError;
 
-/// Why a file could not be read, written or understood; always names the file.
+/// Why a file could not be read, written or understood; names the file where there is one.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
@@ -36,6 +36,15 @@ pub enum Error {
         expected: String,
         /// Where they should be.
         path: PathBuf,
+    },
+    /// A name cannot be that of a folder and a file.
+    #[error(
+        "expected a sequence name without slashes, backslashes and control characters that is not \
+         empty, \".\" or \"..\" and at most 200 bytes long, found {found:?}"
+    )]
+    Name {
+        /// The name.
+        found: String,
     },
     /// The file is not a picture that can be used.
     #[error("unusable image {path:?}")]

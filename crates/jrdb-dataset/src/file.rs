@@ -1,8 +1,9 @@
 //! Reading and writing whole files, with errors that name them.
 
 use std::fs;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::de::DeserializeOwned;
 
@@ -59,12 +60,40 @@ pub(crate) fn read_yaml<T: DeserializeOwned>(
     })
 }
 
-/// Writes a file and the folders above it.
-pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    let folders = path.parent().map_or(Ok(()), fs::create_dir_all);
-    folders
-        .and_then(|()| fs::write(path, bytes))
-        .map_err(|source| Error::Write { path: path.into(), source })
+/// Ending of a file that is being written.
+pub const PART: &str = ".part";
+
+/// Writes a file and the folders above it, whole or not at all: under another name in the same folder, which ends in
+/// [`PART`], and then renamed. A process that is killed may leave that other file.
+///
+/// # Errors
+/// [`Error::Write`], with the final name.
+pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
+    let fail = |source| Error::Write { path: path.into(), source };
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(fail)?;
+    }
+    let part = part_name(path);
+    let written = write_new(&part, bytes).and_then(|()| fs::rename(&part, path));
+    written.map_err(|source| {
+        let _ = fs::remove_file(&part);
+        fail(source)
+    })
+}
+
+/// Another name in the same folder, which no other process and no other thread uses.
+fn part_name(path: &Path) -> PathBuf {
+    static COUNT: AtomicU64 = AtomicU64::new(0);
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
+    path.with_file_name(format!(".{name}.{process}.{count}{PART}"))
+}
+
+/// Writes a file that must not exist yet, so that no link is followed, and waits until it is on the disk.
+fn write_new(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    let mut file = fs::File::create_new(path)?;
+    file.write_all(bytes)?;
+    file.sync_data()
 }
 
 /// What a folder holds, sorted; nothing when there is no such folder.
@@ -153,6 +182,25 @@ mod tests {
         let error = decoded(b"caf\xe9".to_vec()).unwrap_err().to_string();
         assert_eq!(error, "expected UTF-8 or UTF-16 text, found another encoding from byte 3 on");
         assert_eq!(decoded(Vec::new()).unwrap(), "");
+    }
+
+    #[test]
+    fn a_file_is_replaced_whole_and_nothing_else_is_left() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a/b.json");
+        write(&path, b"first").unwrap();
+        write(&path, b"second").unwrap();
+        assert_eq!(read(&path).unwrap(), b"second");
+        assert_eq!(list(path.parent().unwrap()).unwrap(), [path]);
+    }
+
+    #[test]
+    fn a_write_that_fails_leaves_what_was_there() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("taken");
+        fs::create_dir(&path).unwrap();
+        assert!(matches!(write(&path, b"x"), Err(Error::Write { .. })));
+        assert_eq!(list(folder.path()).unwrap(), [path]);
     }
 
     #[test]

@@ -1,36 +1,25 @@
 //! Pictures: PNG and JPEG to RGB, and RGB to PNG.
 
-use std::io::Cursor;
+mod decoded;
+mod exif;
+mod jpeg_file;
+mod jpeg_segments;
+mod png_file;
+mod size;
+
 use std::path::Path;
 
 use jrdb_types::Image;
-use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::colorspace::ColorSpace;
-use zune_jpeg::zune_core::options::DecoderOptions;
 
 pub use crate::image_error::ImageError;
+pub use decoded::Decoded;
+
 use crate::{Error, file};
 
-/// Largest picture that is decoded, pixels: 70 times a JRDB panorama.
-const MAX_PIXELS: u64 = 1 << 27;
-
-/// No PNG or JPEG packs more pixels into a byte than DEFLATE's best ratio (1032) of one-bit pixels; a
-/// header that claims more is a lie, and its picture is never allocated.
-const MAX_PIXELS_PER_BYTE: u64 = 8 * 1032;
-
-/// Longest side that a JPEG header can state.
-const MAX_JPEG_SIDE: usize = 65_535;
-
-/// Bytes that the PNG decoder may use for itself: text, palettes, and a few rows.
-const PNG_WORKING_BYTES: usize = 1 << 26;
-
-/// What a complete picture ends with, perhaps followed by a few bytes of padding.
-const PNG_END: &[u8] = b"IEND";
-const JPEG_END: &[u8] = &[0xff, 0xd9];
-/// Where the end is looked for, bytes from the last.
+/// Where a picture's end is looked for, bytes from the last.
 const TAIL_BYTES: usize = 64;
-const PNG_MAGIC: &[u8] = b"\x89PNG\r\n\x1a\n";
-const JPEG_MAGIC: &[u8] = b"\xff\xd8\xff";
+/// First bytes that an error shows of what is no picture.
+const SHOWN_BYTES: usize = 8;
 
 /// Reads a PNG or a baseline or progressive JPEG as RGB; see [`decode_image`].
 ///
@@ -38,6 +27,15 @@ const JPEG_MAGIC: &[u8] = b"\xff\xd8\xff";
 /// [`Error::Read`] or [`Error::Image`].
 pub fn read_image(path: &Path) -> Result<Image, Error> {
     decode_image(&file::read(path)?).map_err(|source| Error::Image { path: path.into(), source })
+}
+
+/// Reads a picture that must have a size; see [`decode_image_of`].
+///
+/// # Errors
+/// [`Error::Read`] or [`Error::Image`].
+pub(crate) fn read_image_of(path: &Path, size_px: [usize; 2]) -> Result<Decoded, Error> {
+    let decoded = decode_image_of(&file::read(path)?, size_px);
+    decoded.map_err(|source| Error::Image { path: path.into(), source })
 }
 
 /// What a picture's bytes tell without being decoded.
@@ -49,29 +47,62 @@ pub struct ImageHeader {
     pub is_complete: bool,
 }
 
-/// What a picture file tells without being decoded.
+impl ImageHeader {
+    /// Checks that the picture has the size of its camera.
+    ///
+    /// # Errors
+    /// [`ImageError::OtherSize`].
+    pub fn check_size(&self, expected: [usize; 2]) -> Result<(), ImageError> {
+        let found = self.size_px;
+        if found == expected { Ok(()) } else { Err(ImageError::OtherSize { expected, found }) }
+    }
+}
+
+/// What a picture file that must have a size tells without being decoded.
 ///
 /// # Errors
-/// As [`read_image`].
+/// As [`read_image_of`].
+pub(crate) fn read_header_of(path: &Path, size_px: [usize; 2]) -> Result<ImageHeader, Error> {
+    let header = read_header(path)?;
+    let checked = header.check_size(size_px).map(|()| header);
+    checked.map_err(|source| Error::Image { path: path.into(), source })
+}
+
+/// Reads the header of a picture of any size.
 pub(crate) fn read_header(path: &Path) -> Result<ImageHeader, Error> {
-    image_header(&file::read(path)?).map_err(|source| Error::Image { path: path.into(), source })
+    let header = image_header(&file::read(path)?);
+    header.map_err(|source| Error::Image { path: path.into(), source })
 }
 
 /// Decodes a PNG or a baseline or progressive JPEG, told apart by their first bytes.
 ///
 /// Grey and palette pictures become RGB, 16-bit samples keep their upper 8 bits, and an alpha channel
-/// is dropped. Of an animation the first picture is taken.
+/// is dropped. Of an animation the first picture is taken. Stray bytes between a JPEG's segments are passed over, a JPEG
+/// without Huffman tables has the standard ones, and of a JPEG that breaks off in its last quarter the rows that are
+/// there are used.
 ///
 /// # Errors
-/// [`ImageError`]; a size over 2²⁷ pixels is refused before anything of that size is allocated.
+/// [`ImageError`]; a size over 2²⁷ pixels is refused before anything of that size is allocated, and so is a picture
+/// that EXIF turns.
 pub fn decode_image(bytes: &[u8]) -> Result<Image, ImageError> {
+    decode(bytes).map(|decoded| decoded.image)
+}
+
+/// [`decode_image`] for a picture of a known size, with what there is to remark about it. The size is checked before
+/// anything is decoded.
+///
+/// # Errors
+/// As [`decode_image`], and [`ImageError::OtherSize`].
+pub fn decode_image_of(bytes: &[u8], size_px: [usize; 2]) -> Result<Decoded, ImageError> {
+    image_header(bytes)?.check_size(size_px)?;
+    decode(bytes)
+}
+
+fn decode(bytes: &[u8]) -> Result<Decoded, ImageError> {
     tracing::trace!(target: "jrdb::decode_image", bytes = bytes.len());
-    if bytes.starts_with(PNG_MAGIC) {
-        decode_png(bytes)
-    } else if bytes.starts_with(JPEG_MAGIC) {
-        decode_jpeg(bytes)
-    } else {
-        Err(unknown_format(bytes))
+    match format(bytes)? {
+        Format::Png => png_file::decode(bytes),
+        Format::Jpeg => jpeg_file::decode(bytes),
     }
 }
 
@@ -80,90 +111,29 @@ pub fn decode_image(bytes: &[u8]) -> Result<Image, ImageError> {
 /// # Errors
 /// [`ImageError`], as far as the header tells.
 pub fn image_header(bytes: &[u8]) -> Result<ImageHeader, ImageError> {
+    let (size_px, end) = match format(bytes)? {
+        Format::Png => (png_file::size(bytes)?, png_file::END),
+        Format::Jpeg => (jpeg_file::size(bytes)?, jpeg_file::END),
+    };
     let tail = &bytes[bytes.len().saturating_sub(TAIL_BYTES)..];
-    let ends_with = |mark: &[u8]| tail.windows(mark.len()).any(|found| found == mark);
-    if bytes.starts_with(PNG_MAGIC) {
-        let reader = png_reader(bytes)?;
-        let size_px = [reader.info().width as usize, reader.info().height as usize];
-        Ok(ImageHeader { size_px, is_complete: ends_with(PNG_END) })
-    } else if bytes.starts_with(JPEG_MAGIC) {
-        let (_, size_px) = jpeg_decoder(bytes)?;
-        Ok(ImageHeader { size_px, is_complete: ends_with(JPEG_END) })
+    let is_complete = tail.windows(end.len()).any(|found| found == end);
+    Ok(ImageHeader { size_px, is_complete })
+}
+
+enum Format {
+    Png,
+    Jpeg,
+}
+
+fn format(bytes: &[u8]) -> Result<Format, ImageError> {
+    if bytes.starts_with(png_file::MAGIC) {
+        Ok(Format::Png)
+    } else if bytes.starts_with(jpeg_file::MAGIC) {
+        Ok(Format::Jpeg)
     } else {
-        Err(unknown_format(bytes))
+        let found = bytes.iter().copied().take(SHOWN_BYTES).collect();
+        Err(ImageError::UnknownFormat { found })
     }
-}
-
-fn unknown_format(bytes: &[u8]) -> ImageError {
-    ImageError::UnknownFormat { found: bytes.iter().copied().take(PNG_MAGIC.len()).collect() }
-}
-
-fn png_reader(bytes: &[u8]) -> Result<png::Reader<Cursor<&[u8]>>, ImageError> {
-    let mut decoder =
-        png::Decoder::new_with_limits(Cursor::new(bytes), png::Limits { bytes: PNG_WORKING_BYTES });
-    decoder.set_transformations(png::Transformations::normalize_to_color8());
-    decoder.set_ignore_text_chunk(true);
-    decoder.set_ignore_iccp_chunk(true);
-    let reader = decoder.read_info().map_err(png_error)?;
-    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    check_size(width, height, bytes.len())?;
-    Ok(reader)
-}
-
-fn decode_png(bytes: &[u8]) -> Result<Image, ImageError> {
-    let mut reader = png_reader(bytes)?;
-    let (width, height) = (reader.info().width as usize, reader.info().height as usize);
-    let channels = reader.output_color_type().0.samples();
-    let mut samples = vec![0; channels * width * height];
-    reader.next_frame(&mut samples).map_err(png_error)?;
-    Ok(Image { width, height, rgb: rgb_from_channels(samples, channels) })
-}
-
-fn png_error(source: png::DecodingError) -> ImageError {
-    ImageError::Malformed { format: "png", source: Box::new(source) }
-}
-
-fn rgb_from_channels(samples: Vec<u8>, channels: usize) -> Vec<u8> {
-    match channels {
-        1 | 2 => samples.chunks_exact(channels).flat_map(|pixel| [pixel[0]; 3]).collect(),
-        4 => samples.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect(),
-        _ => samples,
-    }
-}
-
-type JpegOf<'b> = JpegDecoder<Cursor<&'b [u8]>>;
-
-fn jpeg_decoder(bytes: &[u8]) -> Result<(JpegOf<'_>, [usize; 2]), ImageError> {
-    let options = DecoderOptions::default()
-        .set_strict_mode(true)
-        .set_max_width(MAX_JPEG_SIDE)
-        .set_max_height(MAX_JPEG_SIDE)
-        .jpeg_set_out_colorspace(ColorSpace::RGB);
-    let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
-    decoder.decode_headers().map_err(jpeg_error)?;
-    let (width, height) = decoder.dimensions().unwrap_or_default();
-    check_size(width, height, bytes.len())?;
-    Ok((decoder, [width, height]))
-}
-
-fn decode_jpeg(bytes: &[u8]) -> Result<Image, ImageError> {
-    let (mut decoder, [width, height]) = jpeg_decoder(bytes)?;
-    let rgb = decoder.decode().map_err(jpeg_error)?;
-    if rgb.len() != 3 * width * height {
-        let found = format!("{} samples for {width} x {height} rgb pixels", rgb.len());
-        return Err(ImageError::Malformed { format: "jpeg", source: found.into() });
-    }
-    Ok(Image { width, height, rgb })
-}
-
-fn jpeg_error(source: zune_jpeg::errors::DecodeErrors) -> ImageError {
-    ImageError::Malformed { format: "jpeg", source: Box::new(source) }
-}
-
-fn check_size(width: usize, height: usize, bytes: usize) -> Result<(), ImageError> {
-    let limit = MAX_PIXELS.min(MAX_PIXELS_PER_BYTE.saturating_mul(bytes as u64));
-    let pixels = (width as u64).saturating_mul(height as u64);
-    if pixels > limit { Err(ImageError::TooLarge { limit, width, height }) } else { Ok(()) }
 }
 
 /// What a PNG file is made for.
@@ -305,8 +275,14 @@ mod tests {
             decode_image(&lying),
             Err(ImageError::TooLarge { width: 65_535, height: 65_535, .. })
         ));
-        let too_many_for_its_bytes = check_size(1 << 13, 1 << 13, 100);
-        assert!(matches!(too_many_for_its_bytes, Err(ImageError::TooLarge { limit: 825_600, .. })));
+    }
+
+    #[test]
+    fn another_size_than_the_cameras_is_refused_before_decoding() {
+        let error = decode_image_of(GRADIENT, [3760, 480]).unwrap_err().to_string();
+        let expected = "expected an image of [3760, 480] px as in the calibration, found [37, 21]";
+        assert_eq!(error, expected);
+        assert_eq!(decode_image_of(GRADIENT, [37, 21]).unwrap().remark, None);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use jrdb_types::{Image, Issue, IssueKind, Lidar, PointCloud, Rig, with_causes};
 
 use crate::cloud::{CloudColumns, Reader};
-use crate::image::ImageHeader;
+use crate::image::{Decoded, ImageHeader};
 use crate::labels::{self, SequenceLabels};
 use crate::names::{
     CLOUD_EXTENSIONS, IMAGE_EXTENSIONS, absent_sweep, find, near, numbered, stem, unnumbered,
@@ -205,22 +205,46 @@ impl Dataset {
         image::read_image(&self.image_path(sequence, frame)?)
     }
 
-    /// What the stitched image of a frame tells without being decoded.
+    /// The stitched image of a frame, which must have a size: columns and rows of its camera. The size is compared
+    /// with the file's header before anything is decoded.
     ///
     /// # Errors
-    /// As [`Dataset::image`], as far as the file's header tells.
-    pub fn image_header(&self, sequence: &str, frame: u32) -> Result<ImageHeader, Error> {
+    /// As [`Dataset::image`].
+    pub fn image_of(
+        &self,
+        sequence: &str,
+        frame: u32,
+        size_px: [usize; 2],
+    ) -> Result<Decoded, Error> {
+        image::read_image_of(&self.image_path(sequence, frame)?, size_px)
+    }
+
+    /// What the stitched image of a frame, which must have a size, tells without being decoded.
+    ///
+    /// # Errors
+    /// As [`Dataset::image_of`], as far as the file's header tells.
+    pub fn image_header_of(
+        &self,
+        sequence: &str,
+        frame: u32,
+        size_px: [usize; 2],
+    ) -> Result<ImageHeader, Error> {
+        image::read_header_of(&self.image_path(sequence, frame)?, size_px)
+    }
+
+    /// What the stitched image of a frame, of any size, tells without being decoded.
+    ///
+    /// # Errors
+    /// [`Error::Absent`], or an image's error as far as the file's header tells.
+    pub(crate) fn image_header(&self, sequence: &str, frame: u32) -> Result<ImageHeader, Error> {
         image::read_header(&self.image_path(sequence, frame)?)
     }
 
-    /// The file of a frame's stitched image, from the tree's root; its folder when there is none.
-    #[must_use]
-    pub fn image_name(&self, sequence: &str, frame: u32) -> String {
-        let path = self.image_path(sequence, frame).unwrap_or_else(|_| self.images(sequence));
-        path.strip_prefix(&self.root).unwrap_or(&path).display().to_string()
-    }
-
-    fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
+    /// The file that holds the stitched image of a frame.
+    ///
+    /// # Errors
+    /// [`Error::Absent`].
+    pub fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
         let by_time = || {
             let timeline = Timeline::of(&folder, &IMAGE_EXTENSIONS)?;
@@ -282,6 +306,23 @@ impl Dataset {
             Some((name(folder.file_name())?, numbers.len()))
         };
         folders.iter().filter_map(count).collect()
+    }
+
+    /// Whether a file of labels is there for a sequence.
+    #[must_use]
+    pub fn has_labels(&self, sequence: &str) -> bool {
+        let labels = self.root.join(LABELS);
+        let folders = [labels::BOXES, labels::SPACE, labels::SOCIAL];
+        folders.iter().any(|folder| labels.join(folder).join(format!("{sequence}.json")).is_file())
+    }
+
+    /// The files that hold a frame's stitched image and sweeps, as far as they are there.
+    #[must_use]
+    pub fn frame_files(&self, sequence: &str, frame: u32, lidars: &[Lidar]) -> Vec<PathBuf> {
+        let image = self.image_path(sequence, frame).ok();
+        let sweep =
+            |lidar: &Lidar| find(&self.sweeps(&lidar.name, sequence), frame, &CLOUD_EXTENSIONS);
+        image.into_iter().chain(lidars.iter().filter_map(sweep)).collect()
     }
 
     /// The labels of a sequence, from whichever of `labels_2d_stitched`, `labels_3d` and

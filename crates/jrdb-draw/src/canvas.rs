@@ -75,7 +75,8 @@ impl Canvas {
 
     /// A filled rectangle; `opacity` from 0 to 1.
     pub fn fill_rect(&mut self, [x, y, w, h]: [f64; 4], color: Color, opacity: f32) {
-        if let Some(rect) = Rect::from_xywh(x as f32, y as f32, w as f32, h as f32) {
+        let ([x, y], [w, h]) = (near([x, y]), near([w, h]));
+        if let Some(rect) = Rect::from_xywh(x, y, w, h) {
             self.pixels.fill_rect(rect, &paint(color, opacity), Transform::identity(), None);
         }
     }
@@ -117,7 +118,8 @@ impl Canvas {
 
     /// A circle's outline.
     pub fn circle(&mut self, [x, y]: [f64; 2], radius: f64, color: Color, width: f32) {
-        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else {
+        let ([x, y], [radius, _]) = (near([x, y]), near([radius; 2]));
+        let Some(path) = PathBuilder::from_circle(x, y, radius) else {
             return;
         };
         let stroke = Stroke { width, ..Stroke::default() };
@@ -126,7 +128,8 @@ impl Canvas {
 
     /// A filled circle.
     pub fn disc(&mut self, [x, y]: [f64; 2], radius: f64, color: Color) {
-        let Some(path) = PathBuilder::from_circle(x as f32, y as f32, radius as f32) else {
+        let ([x, y], [radius, _]) = (near([x, y]), near([radius; 2]));
+        let Some(path) = PathBuilder::from_circle(x, y, radius) else {
             return;
         };
         let paint = paint(color, 1.0);
@@ -144,7 +147,11 @@ impl Canvas {
     }
 
     /// Text with its top-left corner on `(x, y)`; letters outside ASCII become `?`.
-    pub fn text(&mut self, text: &str, [x, y]: [f64; 2], letters: Letters, color: Color) {
+    pub fn text(&mut self, text: &str, at: [f64; 2], letters: Letters, color: Color) {
+        let [x, y] = near(at);
+        if x.is_nan() || y.is_nan() {
+            return;
+        }
         let style = MonoTextStyle::new(letters.font(), Rgb888::new(color[0], color[1], color[2]));
         let origin = Point::new(x as i32, y as i32);
         let mut enlarged = Enlarged { canvas: self, origin, scale: letters.scale() };
@@ -211,12 +218,22 @@ fn paint(color: Color, opacity: f32) -> Paint<'static> {
     paint
 }
 
+/// What is further away than this from the corner is outside every picture, pixels.
+const FAR_PX: f64 = 1e6;
+
+/// A place that arithmetic on it cannot overflow, outside the picture if the given one is.
+fn near(place: [f64; 2]) -> [f32; 2] {
+    place.map(|pixels| pixels.clamp(-FAR_PX, FAR_PX) as f32)
+}
+
 fn path(points: &[[f64; 2]]) -> Option<tiny_skia::Path> {
     let mut path = PathBuilder::new();
     let (first, rest) = points.split_first()?;
-    path.move_to(first[0] as f32, first[1] as f32);
+    let [x, y] = near(*first);
+    path.move_to(x, y);
     for point in rest {
-        path.line_to(point[0] as f32, point[1] as f32);
+        let [x, y] = near(*point);
+        path.line_to(x, y);
     }
     path.finish()
 }
@@ -237,6 +254,21 @@ mod tests {
         assert_eq!(image.pixel(3, 3), [255, 0, 0]);
         assert_eq!(image.pixel(19, 9), [0, 255, 0]);
         assert_eq!(image.pixel(10, 9), [0; 3]);
+    }
+
+    #[test]
+    fn places_of_any_size_do_no_harm() {
+        let mut canvas = Canvas::filled(20, 10, [0; 3]);
+        for far in [1e9, -1e12, 1e308, f64::INFINITY, f64::NAN] {
+            canvas.fill_rect([far, far, 4.0, 4.0], [9; 3], 1.0);
+            canvas.rect([0.0, far, far, far], [9; 3], 1.0);
+            canvas.dashed_line(&[[far, 30.0], [0.0, 30.0]], [9; 3], 1.0);
+            canvas.polygon(&[[far, 40.0], [0.0, 40.0], [0.0, 44.0]], [9; 3]);
+            canvas.circle([far, far], far, [9; 3], 1.0);
+            canvas.disc([far, far], 3.0, [9; 3]);
+            canvas.label("far away", [far, far], Letters::Huge, [[9; 3]; 2]);
+        }
+        assert_eq!(canvas.to_image().pixel(10, 5), [0; 3]);
     }
 
     #[test]

@@ -7,4 +7,4 @@ mod questions;
 
 pub use matching::{Matches, match_boxes};
 pub use misses::misses;
-pub use questions::{MetricsConfig, Outcome, evaluate, score};
+pub use questions::{MetricsConfig, Outcome, evaluate, evaluate_all, score};

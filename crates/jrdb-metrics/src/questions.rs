@@ -71,8 +71,19 @@ pub struct Outcome<'a> {
 /// ```
 #[must_use]
 pub fn evaluate(outcomes: &[Outcome<'_>], config: &MetricsConfig) -> Scores {
-    let scored: Vec<Scored<'_>> =
-        outcomes.iter().filter_map(|outcome| Scored::new(*outcome, config)).collect();
+    evaluate_all(outcomes, &[], config)
+}
+
+/// [`evaluate`], with questions that were not answered: each counts as missed, also where nothing is meant.
+#[must_use]
+pub fn evaluate_all(
+    outcomes: &[Outcome<'_>],
+    unanswered: &[&Question],
+    config: &MetricsConfig,
+) -> Scores {
+    let answered = outcomes.iter().filter_map(|outcome| Scored::new(*outcome, config));
+    let missed = unanswered.iter().filter_map(|question| Scored::missed(question));
+    let scored: Vec<Scored<'_>> = answered.chain(missed).collect();
     let mut by_category: BTreeMap<String, Vec<&Scored<'_>>> = BTreeMap::new();
     for one in &scored {
         by_category.entry(one.score.category.clone()).or_default().push(one);
@@ -94,7 +105,7 @@ pub fn score(outcome: Outcome<'_>, config: &MetricsConfig) -> Option<QuestionSco
 
 struct Scored<'a> {
     truth: &'a Truth,
-    answer: &'a Answer,
+    answer: Option<&'a Answer>,
     score: QuestionScore,
 }
 
@@ -113,7 +124,23 @@ impl<'a> Scored<'a> {
             false_negatives: truth.boxes.len() - matches.count,
             matched_iou: matches.iou_sum,
         };
-        Some(Self { truth, answer, score })
+        Some(Self { truth, answer: Some(answer), score })
+    }
+
+    /// The score of a question that was not answered.
+    fn missed(question: &'a Question) -> Option<Self> {
+        let truth = question.truth.as_ref()?;
+        let score = QuestionScore {
+            frame: question.frame.clone(),
+            question: question.text.clone(),
+            category: question.category.clone(),
+            exact: Some(false),
+            true_positives: 0,
+            false_positives: 0,
+            false_negatives: truth.boxes.len(),
+            matched_iou: 0.0,
+        };
+        Some(Self { truth, answer: None, score })
     }
 }
 
@@ -187,7 +214,7 @@ fn average_precision(scored: &[&Scored<'_>], period_px: Option<f64>) -> (f64, f6
     for (image, one) in (0..).zip(scored) {
         let truth = one.truth.boxes.iter();
         dataset.truth.extend(truth.map(|&bbox| GroundTruthBox::new(image, ONE_CLASS, bbox)));
-        let ranked = ranked_boxes(one.answer).into_iter();
+        let ranked = one.answer.map(ranked_boxes).unwrap_or_default().into_iter();
         dataset.detections.extend(ranked.map(|(bbox, score)| DetectionBox {
             image,
             category: ONE_CLASS,
@@ -227,6 +254,17 @@ mod tests {
             slots: vec![],
             truth: Some(Truth { ids, boxes, count: None }),
         }
+    }
+
+    #[test]
+    fn a_question_that_is_not_answered_is_missed() {
+        let (asked, nobody) = (question("a", &[1]), question("b", &[]));
+        let given = answer(&[1], &[]);
+        let outcomes = [Outcome { question: &asked, answer: &given }];
+        let scores = evaluate_all(&outcomes, &[&asked, &nobody], &MetricsConfig::default());
+        assert_eq!((scores.overall.questions, scores.overall.exact), (3, 1));
+        assert_eq!(scores.overall.recall, 0.5);
+        assert_eq!(scores.questions[2].exact, Some(false));
     }
 
     /// Selects `selected` and ranks them above `others`.

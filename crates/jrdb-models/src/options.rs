@@ -7,7 +7,7 @@ use jrdb_dataset::Dataset;
 use jrdb_types::ImageGeometry;
 
 use crate::demographics::Demographics;
-use crate::loader::EngineOptions;
+use crate::loader::{EngineOptions, LibraryInModels};
 
 /// A sequence that labels or detections are read for.
 #[derive(Debug, Clone)]
@@ -35,7 +35,9 @@ impl PerceptionOptions {
     /// Models of a folder, on whichever engine is found.
     #[must_use]
     pub fn models(folder: impl Into<PathBuf>) -> Self {
-        let engine = EngineOptions { models: folder.into(), ..EngineOptions::default() };
+        let library_in_models = LibraryInModels::Trusted;
+        let models = folder.into();
+        let engine = EngineOptions { models, library_in_models, ..EngineOptions::default() };
         Self { engine, ..Self::default() }
     }
 }

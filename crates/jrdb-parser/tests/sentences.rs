@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a failing helper should panic")]
 
 use jrdb_parser::{notation, parse};
-use jrdb_types::{Issue};
+use jrdb_types::Issue;
 
 /// A question with its expected meaning and issues.
 struct Case {

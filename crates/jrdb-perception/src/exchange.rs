@@ -159,8 +159,12 @@ fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec
 /// If no line asks for detections, the boxes of the other requests are people.
 #[must_use]
 pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
-    let lines: Vec<&Exchange> = lines.iter().filter(|line| line.request.frame == *frame).collect();
+    let all = lines;
+    let lines: Vec<&Exchange> = all.iter().filter(|line| line.request.frame == *frame).collect();
     let mut issues = Vec::new();
+    if lines.is_empty() {
+        issues.push(Issue::new(IssueKind::MissingInput, no_line_for(all, frame)));
+    }
     let mut found: Vec<CategoryBox> = Vec::new();
     let searches: Vec<_> = lines.iter().filter(|line| line.request.bbox.is_none()).collect();
     for line in &searches {
@@ -176,10 +180,13 @@ pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Dete
             }
         }
     }
-    found.retain(|one| one.bbox.is_proper());
+    let found = usable(found, image, &mut issues);
     let mut detections = numbered(found);
     for detection in &mut detections {
-        let about = lines.iter().filter(|line| line.request.bbox == Some(detection.bbox));
+        let place = |bbox: PixelBox| image.checked_box(bbox).ok();
+        let is_about =
+            |line: &&&Exchange| line.request.bbox.and_then(place) == Some(detection.bbox);
+        let about = lines.iter().filter(is_about);
         for line in about {
             let Some(topic) = line.request.topic else { continue };
             if let Err(message) = apply_reply(&mut detection.attributes, topic, line) {
@@ -203,6 +210,40 @@ pub fn capabilities(lines: &[Exchange]) -> Capabilities {
     let topics = lines.iter().filter_map(|line| line.request.topic);
     let attributes = topics.filter_map(Topic::attribute).collect();
     Capabilities { categories, attributes, ..Capabilities::none() }
+}
+
+/// Why a frame has no detections when no line is about it.
+fn no_line_for(all: &[Exchange], frame: &FrameId) -> String {
+    let sequence = &frame.sequence;
+    let is_same = |line: &&Exchange| line.request.frame.sequence == *sequence;
+    let others = all.iter().filter(is_same).count();
+    match all.first() {
+        None => "the recording of replies has no line".into(),
+        Some(_) if others > 0 => format!(
+            "the recording of replies has no line for {frame}, but {others} for other frames of {sequence}"
+        ),
+        Some(line) => format!(
+            "the recording of replies has no line for {frame}; its first is about {}",
+            line.request.frame
+        ),
+    }
+}
+
+/// The boxes that lie in the image; each other is an issue.
+fn usable(
+    found: Vec<CategoryBox>,
+    image: ImageGeometry,
+    issues: &mut Vec<Issue>,
+) -> Vec<CategoryBox> {
+    let mut check = |one: CategoryBox| match image.checked_box(one.bbox) {
+        Ok(bbox) => Some(CategoryBox { bbox, ..one }),
+        Err(error) => {
+            let message = format!("a {:?} of the reply is left out: {error}", one.category);
+            issues.push(Issue::new(IssueKind::BadBox, message));
+            None
+        }
+    };
+    found.into_iter().filter_map(&mut check).collect()
 }
 
 /// The boxes in a reply.
@@ -311,6 +352,31 @@ mod tests {
         lines[1].reply = say("I cannot say.");
         let unclear = replay(&lines, &FrameId::default(), IMAGE);
         assert!(unclear.issues[0].message.contains("expected one of male, female"));
+    }
+
+    #[test]
+    fn boxes_that_cannot_be_used_are_issues() {
+        let mut lines = Exchange::record(&detections(), &[]);
+        let found = lines[0].reply.as_mut().unwrap().found.as_mut().unwrap();
+        found[0].bbox.w = -8.0;
+        found[1].bbox.x = 1e12;
+        let replayed = replay(&lines, &FrameId::default(), IMAGE);
+        assert!(replayed.detections.is_empty());
+        let messages: Vec<&str> = replayed.issues.iter().map(|one| &*one.message).collect();
+        assert!(messages[0].contains("expected a box with an area"), "{messages:?}");
+        assert!(messages[1].contains("expected a box inside"), "{messages:?}");
+    }
+
+    #[test]
+    fn a_frame_without_a_line_is_an_issue() {
+        let here = FrameId { sequence: "plaza_0".into(), frame: 0 };
+        let said = |lines: &[Exchange]| replay(lines, &here, IMAGE).issues[0].message.clone();
+        assert_eq!(said(&[]), "the recording of replies has no line");
+        let mut lines = Exchange::record(&detections(), &[]);
+        lines[0].request.frame.sequence = "plaza_O".into();
+        assert!(said(&lines).contains("no line for plaza_0/000000; its first is about plaza_O"));
+        lines[0].request.frame = FrameId { frame: 4, ..here.clone() };
+        assert!(said(&lines).contains("but 1 for other frames of plaza_0"));
     }
 
     #[test]

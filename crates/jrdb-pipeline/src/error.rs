@@ -1,6 +1,6 @@
 //! What can go wrong between the stages.
 
-use jrdb_types::{FrameId, with_causes};
+use jrdb_types::{FrameId, Panicked, with_causes};
 
 /// Why a frame or a question could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -33,4 +33,7 @@ pub enum Error {
         "expected a detector that takes sentences (Florence-2, MM-Grounding-DINO or LLMDet), found none"
     )]
     NoGrounder,
+    /// A part of the program panicked on a frame: a fault of the program, whatever the frame's files hold.
+    #[error("{0}; please report it with the frame's files")]
+    Panicked(#[from] Panicked),
 }

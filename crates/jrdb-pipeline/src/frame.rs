@@ -55,13 +55,15 @@ impl Frame {
     }
 }
 
-type Load = Box<dyn Fn() -> Result<Image, Issue> + Send + Sync>;
+/// An image with what there is to remark about it, or why there is none.
+type Loaded = Result<(Image, Option<Issue>), Issue>;
+type Load = Box<dyn Fn() -> Loaded + Send + Sync>;
 
 /// One camera's image, decoded when it is first needed.
 pub struct CameraImage {
     /// Which camera of the rig; the camera in use when absent.
     pub camera: Option<String>,
-    decoded: OnceLock<Result<Image, Issue>>,
+    decoded: OnceLock<Loaded>,
     load: Load,
 }
 
@@ -69,25 +71,30 @@ impl CameraImage {
     /// An image that is there.
     #[must_use]
     pub fn ready(image: Image) -> Self {
-        Self::decoded(Ok(image))
+        Self::known(Ok((image, None)))
     }
 
-    /// An image that `load` reads when something needs its pixels, at most once.
+    /// An image that `load` reads when something needs its pixels, at most once. A remark about it is an issue that
+    /// comes beside the pixels.
     #[must_use]
-    pub fn on_demand(load: impl Fn() -> Result<Image, Issue> + Send + Sync + 'static) -> Self {
+    pub fn on_demand(
+        load: impl Fn() -> Result<(Image, Option<Issue>), Issue> + Send + Sync + 'static,
+    ) -> Self {
         Self { camera: None, decoded: OnceLock::new(), load: Box::new(load) }
     }
 
     /// An image that should be there and cannot be used.
     #[must_use]
     pub fn missing(why: Issue) -> Self {
-        Self::decoded(Err(why))
+        Self::known(Err(why))
     }
 
-    fn decoded(pixels: Result<Image, Issue>) -> Self {
+    /// An image with what there is to remark about it, or why there is none.
+    #[must_use]
+    pub fn known(loaded: Result<(Image, Option<Issue>), Issue>) -> Self {
         // Never called: the pixels are there.
-        let load = Box::new(|| Ok(Image::filled(0, 0, [0; 3])));
-        Self { camera: None, decoded: OnceLock::from(pixels), load }
+        let load = Box::new(|| Ok((Image::filled(0, 0, [0; 3]), None)));
+        Self { camera: None, decoded: OnceLock::from(loaded), load }
     }
 
     /// The pixels.
@@ -95,13 +102,16 @@ impl CameraImage {
     /// # Errors
     /// The issue that says why there are none.
     pub fn pixels(&self) -> Result<&Image, &Issue> {
-        self.decoded.get_or_init(&self.load).as_ref()
+        self.decoded.get_or_init(&self.load).as_ref().map(|(image, _)| image)
     }
 
-    /// Why there are no pixels, as far as that is known without decoding.
+    /// Why there are no pixels, or what there is to remark about them, as far as that is known without decoding.
     #[must_use]
     pub fn known_issue(&self) -> Option<&Issue> {
-        self.decoded.get().and_then(|decoded| decoded.as_ref().err())
+        match self.decoded.get()? {
+            Ok((_, remark)) => remark.as_ref(),
+            Err(issue) => Some(issue),
+        }
     }
 }
 
@@ -128,7 +138,7 @@ mod tests {
         let counted = Arc::clone(&count);
         let image = CameraImage::on_demand(move || {
             counted.fetch_add(1, Ordering::Relaxed);
-            Ok(Image::filled(2, 1, [7; 3]))
+            Ok((Image::filled(2, 1, [7; 3]), None))
         });
         assert!(image.known_issue().is_none() && count.load(Ordering::Relaxed) == 0);
         assert!(image.pixels().is_ok() && image.pixels().is_ok());

@@ -6,7 +6,9 @@ use jrdb_calibration::FloorConfig;
 use jrdb_graph::IndexedGraph;
 use jrdb_perception::{Perceive, View};
 use jrdb_projection::{BaseCloud, Motions, Placement, Space};
-use jrdb_types::{Capabilities, Coverage, Detections, FloorPlane, Issue, Localizer, PointCloud};
+use jrdb_types::{
+    Capabilities, Coverage, Detections, FloorPlane, Issue, IssueKind, Localizer, PointCloud,
+};
 
 use crate::motion::Places;
 use crate::scene::Scene;
@@ -147,6 +149,7 @@ impl Pipeline {
     }
 
     fn place_detections(&self, frame: Frame, detections: Detections) -> Result<PlacedFrame, Error> {
+        let detections = most_confident(detections, self.config.detections_max);
         let mut issues = frame.issues.clone();
         let sensors = self.robot.sensors();
         let cloud = BaseCloud::merge(&frame.sweeps, sensors, &mut issues);
@@ -164,10 +167,66 @@ fn usable(sweeps: &[PointCloud]) -> usize {
     sweeps.iter().filter(|sweep| !sweep.is_empty()).count()
 }
 
+/// The most confident detections where there are too many, with an issue.
+fn most_confident(mut found: Detections, most: usize) -> Detections {
+    let count = found.detections.len();
+    if count > most {
+        // Stable: of equally confident ones those of the lower ids are kept.
+        found.detections.sort_by(|a, b| b.score.total_cmp(&a.score));
+        found.detections.truncate(most);
+        found.detections.sort_by(|a, b| a.id.cmp(&b.id));
+        let message = format!(
+            "expected at most {most} detections in a frame, found {count}: the {most} most confident are used; \
+             does the detector suppress overlapping boxes?"
+        );
+        found.issues.push(Issue::new(IssueKind::MissingInput, message));
+    }
+    found
+}
+
 /// The floor under the robot, where enough of it is seen.
 fn floor(cloud: &BaseCloud, config: &FloorConfig) -> Option<FloorPlane> {
     let points: Vec<_> = (0..cloud.len()).map(|i| cloud.point(i)).collect();
     let floor = jrdb_calibration::fit_floor(&points, config).ok()?;
     let [x, y, z] = floor.normal;
     Some(FloorPlane { height_m: floor.height_m, slope: [-x / z, -y / z] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jrdb_types::{Attributes, Detection, EntityId, FrameId, ImageGeometry, PixelBox};
+
+    fn detection(number: u32, score: f64) -> Detection {
+        Detection {
+            camera: None,
+            id: EntityId::new("person", number),
+            category: "person".into(),
+            score,
+            bbox: PixelBox::from([0.0, 0.0, 5.0, 5.0]),
+            attributes: Attributes::default(),
+            interactions: Vec::new(),
+            group: None,
+            occlusion: None,
+            heading_rad: None,
+            box3d: None,
+        }
+    }
+
+    #[test]
+    fn the_most_confident_detections_are_kept_and_an_issue_says_so() {
+        let scores = [0.2, 0.9, 0.5, 0.9];
+        let found = Detections {
+            frame: FrameId::default(),
+            image: ImageGeometry { width_px: 100, height_px: 50, wraps: true },
+            detections: (1..).zip(scores).map(|(number, score)| detection(number, score)).collect(),
+            capabilities: None,
+            issues: Vec::new(),
+        };
+        assert_eq!(most_confident(found.clone(), 4), found);
+        let kept = most_confident(found, 3);
+        let ids: Vec<u32> = kept.detections.iter().map(|one| one.id.number).collect();
+        assert_eq!(ids, [2, 3, 4]);
+        assert!(kept.issues[0].message.contains("found 4: the 3 most confident are used"));
+    }
 }

@@ -20,9 +20,9 @@ mod wording;
 #[cfg(test)]
 mod tests;
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use jrdb_dataset::{Error, LabelledFrame, TreeWriter};
+use jrdb_dataset::{Error, LabelledFrame, TreeWriter, check_sequence_name};
 use jrdb_types::vocab::Headwear;
 use jrdb_types::{
     Age, Artefact, Belief, EntityId, FrameId, Image, PointCloud, Question, Questions,
@@ -119,8 +119,9 @@ fn headwear(cast: &Cast, listed: &[Headwear]) -> Vec<Headwear> {
 /// Files that are there are replaced; others stay, so a folder should hold one world only.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// When the sequence's name cannot be that of a folder, or a file cannot be written.
 pub fn write(world: &World, root: &Path) -> Result<(), Error> {
+    check_sequence_name(&world.config.sequence)?;
     let writer = TreeWriter::new(root);
     writer.calibration(&calibration())?;
     let (mut labels, mut questions) = (Vec::new(), Vec::new());
@@ -135,10 +136,10 @@ pub fn write(world: &World, root: &Path) -> Result<(), Error> {
     }
     writer.labels(&world.config.sequence, &labels)?;
     let text = jrdb_dataset::write_questions(&Questions { questions });
-    write_text(root.join(QUESTIONS_FILE), &text)?;
-    write_text(root.join(DETECTIONS_FILE), &detections(labels))?;
+    write_text(&root.join(QUESTIONS_FILE), &text)?;
+    write_text(&root.join(DETECTIONS_FILE), &detections(labels))?;
     let scene = serde_json::to_string_pretty(&world.config).unwrap_or_default();
-    write_text(root.join(SCENE_FILE), &format!("{scene}\n"))
+    write_text(&root.join(SCENE_FILE), &format!("{scene}\n"))
 }
 
 /// The detections of all frames, as a list of artefacts.
@@ -149,8 +150,8 @@ fn detections(frames: Vec<LabelledFrame>) -> String {
     format!("[\n{}\n]\n", artefacts.join(",\n"))
 }
 
-fn write_text(path: PathBuf, text: &str) -> Result<(), Error> {
-    std::fs::write(&path, text).map_err(|source| Error::Write { path, source })
+fn write_text(path: &Path, text: &str) -> Result<(), Error> {
+    jrdb_dataset::write_file(path, text.as_bytes())
 }
 
 /// Seconds from the first frame to another.

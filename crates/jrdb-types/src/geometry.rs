@@ -20,6 +20,57 @@ impl ImageGeometry {
     pub fn period_px(&self) -> Option<f64> {
         self.wraps.then_some(f64::from(self.width_px))
     }
+
+    /// The box with `x` inside a wrapping image, if some of it is in the image.
+    ///
+    /// # Errors
+    /// [`BoxError`] for a box without an area, beside the image, or with an edge further from the image than
+    /// [`FAR_SIDES`] times its side: such numbers are a mistake, also where the image wraps.
+    ///
+    /// ```
+    /// use jrdb_types::{ImageGeometry, PixelBox};
+    /// let image = ImageGeometry { width_px: 100, height_px: 50, wraps: true };
+    /// let left_of_it = PixelBox::from([-30.0, 0.0, 20.0, 20.0]);
+    /// assert_eq!(image.checked_box(left_of_it).unwrap().x, 70.0);
+    /// assert!(image.checked_box(PixelBox::from([1e12, 0.0, 20.0, 20.0])).is_err());
+    /// ```
+    pub fn checked_box(&self, bbox: PixelBox) -> Result<PixelBox, BoxError> {
+        let numbers = <[f64; 4]>::from(bbox);
+        if !bbox.is_proper() {
+            return Err(BoxError::NoArea(numbers));
+        }
+        let [width, height] = [self.width_px, self.height_px].map(f64::from);
+        let is_near = |edge: f64, side: f64| edge.abs() <= FAR_SIDES * side;
+        let edges = [(bbox.x, width), (bbox.w, width), (bbox.y, height), (bbox.h, height)];
+        let wrapped = self.period_px().map_or(bbox, |period| bbox.wrapped(period));
+        let whole = PixelBox { x: 0.0, y: 0.0, w: width, h: height };
+        let is_inside = wrapped.intersection_px2(&whole) > 0.0;
+        if is_inside && edges.iter().all(|(edge, side)| is_near(*edge, *side)) {
+            return Ok(wrapped);
+        }
+        Err(BoxError::Outside { size_px: [self.width_px, self.height_px], found: numbers })
+    }
+}
+
+/// A box with an edge further from the image's corner than so many of the image's sides is a mistake: detectors put
+/// boxes a little over the edge, labels of a panorama at most a turn.
+pub const FAR_SIDES: f64 = 4.0;
+
+/// Why a box cannot be used.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum BoxError {
+    /// Its width or height is not positive, or a number is not finite.
+    #[error("expected a box with an area, found {0:?}")]
+    NoArea([f64; 4]),
+    /// Nothing of it is in the image, or it reaches far out of it.
+    #[error("expected a box inside {} x {} pixels, found {found:?}", size_px[0], size_px[1])]
+    Outside {
+        /// Columns and rows of the image.
+        size_px: [u32; 2],
+        /// The box: x, y, w, h.
+        found: [f64; 4],
+    },
 }
 
 /// A box in pixels: `[x, x + w)` by `[y, y + h)`, origin at the corner of the top-left pixel.

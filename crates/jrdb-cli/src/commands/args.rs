@@ -8,7 +8,7 @@ use jrdb_cli::Error;
 use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, Source, open_perception};
 use jrdb_dataset::cloud::CloudColumns;
 use jrdb_models::demographics::Demographics;
-use jrdb_models::loader::{EngineChoice, EngineOptions};
+use jrdb_models::loader::{EngineChoice, EngineOptions, LibraryInModels};
 use jrdb_models::profile::Profile;
 use jrdb_models::{Perception, PerceptionSource};
 use jrdb_pipeline::PipelineConfig;
@@ -24,9 +24,9 @@ pub(crate) struct SourceArgs {
     /// The root of a JRDB tree
     #[arg(long, value_name = "ROOT", requires = "sequence")]
     dataset: Option<PathBuf>,
-    /// A sequence of the tree
+    /// A sequence of the tree; may be given several times
     #[arg(long, value_name = "NAME", requires = "dataset")]
-    sequence: Option<String>,
+    sequence: Vec<String>,
     /// Frame numbers, B exclusive; all when absent
     #[arg(long, value_name = "A..B", value_parser = frame_range)]
     pub(crate) frames: Option<Range<u32>>,
@@ -67,14 +67,16 @@ impl SourceArgs {
     }
 
     pub(crate) fn sources(&self) -> Result<Vec<Source>, Error> {
-        match (&self.dataset, &self.sequence) {
-            (Some(root), Some(name)) => {
-                Ok(vec![Source::Sequence { root: root.clone(), name: name.clone() }])
-            }
-            _ if self.scene.is_empty() => Err(Error::Usage(
+        let of_tree = |root: &PathBuf| {
+            let names = self.sequence.iter().cloned();
+            names.map(|name| Source::Sequence { root: root.clone(), name }).collect()
+        };
+        match &self.dataset {
+            Some(root) => Ok(of_tree(root)),
+            None if self.scene.is_empty() => Err(Error::Usage(
                 "expected --scene DIR, or --dataset ROOT and --sequence NAME".into(),
             )),
-            _ => Ok(self.scene.iter().cloned().map(Source::Scene).collect()),
+            None => Ok(self.scene.iter().cloned().map(Source::Scene).collect()),
         }
     }
 }
@@ -99,9 +101,8 @@ pub(crate) struct PerceptionArgs {
     /// What light guesses from faces; the bare flag means gender
     #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
     pub(crate) demographics: DemographicsArg,
-    /// Folder with model files
-    #[arg(long, default_value = "models", value_name = "DIR")]
-    pub(crate) models: PathBuf,
+    #[command(flatten)]
+    models: ModelsFolder,
     /// Which engine runs models
     #[arg(long, value_enum, default_value_t)]
     engine: EngineArg,
@@ -119,9 +120,35 @@ impl PerceptionArgs {
     }
 
     pub(crate) fn engine(&self) -> EngineOptions {
-        let (library, models) = (self.onnxruntime.clone(), self.models.clone());
+        let (choice, library) = (self.engine.into(), self.onnxruntime.clone());
         let profile = self.profile.then(Profile::default);
-        EngineOptions { choice: self.engine.into(), library, profile, models }
+        EngineOptions { choice, library, profile, ..self.models.engine() }
+    }
+}
+
+/// The folder with model files.
+#[derive(Debug, Args)]
+pub(crate) struct ModelsFolder {
+    /// Folder with model files; ./models when absent. ONNX Runtime's library is taken from it only when it is named
+    #[arg(long, visible_alias = "dir", value_name = "DIR")]
+    models: Option<PathBuf>,
+}
+
+/// The models folder when none is named.
+const MODELS: &str = "models";
+
+impl ModelsFolder {
+    pub(crate) fn path(&self) -> PathBuf {
+        self.models.clone().unwrap_or_else(|| MODELS.into())
+    }
+
+    /// An engine's options as far as they follow from the folder.
+    pub(crate) fn engine(&self) -> EngineOptions {
+        let library_in_models = match &self.models {
+            Some(_) => LibraryInModels::Trusted,
+            None => LibraryInModels::Ignored,
+        };
+        EngineOptions { models: self.path(), library_in_models, ..EngineOptions::default() }
     }
 }
 

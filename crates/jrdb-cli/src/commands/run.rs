@@ -1,14 +1,15 @@
 //! `jrdb run`.
 
 use std::ops::ControlFlow;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::{Args, ValueEnum};
 use jrdb_cli::health::{self, Demands};
 use jrdb_cli::report::{Detail, JsonForm, JsonReport, Telling};
+use jrdb_cli::run_folder::{Existing, Found};
 use jrdb_cli::{Error, FrameResult, Run, RunOptions, RunSummary, report};
 use jrdb_pipeline::{PipelineConfig, read_query};
 
@@ -50,6 +51,12 @@ pub(crate) struct RunArgs {
     /// Write every stage's artefact, too
     #[arg(long, requires = "out")]
     artifacts: bool,
+    /// Remove the files of another run in the folder first
+    #[arg(long, requires = "out", conflicts_with = "resume")]
+    overwrite: bool,
+    /// Complete the folder of this run, which was interrupted; the same command without this flag does so, too
+    #[arg(long, requires = "out")]
+    resume: bool,
     /// Worker threads; the output does not depend on it
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     threads: Option<u16>,
@@ -114,6 +121,8 @@ impl RunArgs {
             config,
             threads: self.threads.map(usize::from),
             out: self.out.clone(),
+            interrupt: jrdb_cli::interrupt::Interrupt::default(),
+            existing: if self.overwrite { Existing::Overwrite } else { Existing::Refuse },
             artifacts: self.artifacts,
         })
     }
@@ -122,6 +131,8 @@ impl RunArgs {
 pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     let options = args.options()?;
     let run = Run::open(&options)?;
+    tell_found(&run, args);
+    options.interrupt.listen().context("cannot listen to Ctrl-C")?;
     let progress = Progress::new("frames", run.frame_count());
     let mut printer = Printer::new(args, &options.config);
     printer.notes(run.notes())?;
@@ -144,6 +155,10 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     }
     let summary = summary?;
     printer.end(&summary)?;
+    if let (true, Some((signal, code))) = (summary.is_cut_short, options.interrupt.came()) {
+        tell_interrupted(signal, args);
+        return Ok(ExitCode::from(code));
+    }
     if let (RunFormat::Text, Some(out)) = (args.format, &args.out) {
         say(&format!("answers and pictures are in {}\n", out.display()))?;
     }
@@ -155,6 +170,33 @@ pub(crate) fn run(args: &RunArgs) -> Result<ExitCode> {
     }
     let demands = Demands { strict: args.strict, require_answer: args.require_answer };
     Ok(ExitCode::from(health::exit_code(&summary.health, demands)))
+}
+
+/// Says what the folder held before, where that matters.
+fn tell_found(run: &Run<'_>, args: &RunArgs) {
+    let out = args.out.as_deref().unwrap_or_else(|| Path::new("")).display();
+    match run.found() {
+        Some(Found::Complete) => {
+            eprintln!(
+                "note: {out} holds this run, complete; its files are checked and written again"
+            );
+        }
+        Some(Found::Incomplete) => {
+            eprintln!("note: {out} holds this run, interrupted; it is completed");
+        }
+        Some(Found::Nothing) if args.resume => {
+            eprintln!("note: {out} holds nothing of this run; it is started");
+        }
+        _ => {}
+    }
+}
+
+fn tell_interrupted(signal: &str, args: &RunArgs) {
+    let next = match &args.out {
+        Some(_) => "the folder is not complete: the same command with --resume completes it",
+        None => "what was answered is printed",
+    };
+    eprintln!("interrupted by {signal} before the last frame; {next}");
 }
 
 /// Prints results as they come.
@@ -175,7 +217,10 @@ impl<'a> Printer<'a> {
     fn notes(&self, notes: &[String]) -> Result<()> {
         match self {
             Self::Text(_) => notes.iter().try_for_each(|note| say(&format!("{note}\n"))),
-            Self::Json(..) => Ok(()),
+            Self::Json(..) => {
+                notes.iter().for_each(|note| eprintln!("{note}"));
+                Ok(())
+            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! One stage per command: artefacts in, an artefact out.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -13,13 +13,13 @@ use jrdb_metrics::Outcome;
 use jrdb_parser::notation;
 use jrdb_perception::{KnownDetections, Perceive};
 use jrdb_pipeline::{Pipeline, PipelineConfig, read_query};
-use jrdb_search::Pooling;
+use jrdb_search::{Pooling, SearchConfig};
 use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
 use serde_json::{Value, json};
 
 use super::args::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
 use super::print::{Format, say};
-use super::question::{AnswerArgs, ReadingArgs, question};
+use super::question::{AnswerArgs, ReadingArgs, only_question, questions};
 
 /// Where a stage's artefact goes.
 #[derive(Debug, Args)]
@@ -174,7 +174,7 @@ pub(crate) struct ParseArgs {
 }
 
 pub(crate) fn parse(args: &ParseArgs) -> Result<ExitCode> {
-    let text = question(&args.text)?;
+    let text = only_question(&args.text)?;
     let config = args.reading.config();
     let query = read_query(&text, &config)?;
     let summary = if args.explain {
@@ -196,7 +196,7 @@ pub(crate) struct SearchArgs {
     /// A query as `jrdb parse` writes it
     #[arg(long, value_name = "FILE", required_unless_present = "text")]
     query: Option<PathBuf>,
-    /// A question in English or in the notation, instead; - reads standard input
+    /// A question in English or in the notation, instead; - reads standard input, where each line is a question
     #[arg(long, value_name = "TEXT", conflicts_with = "query")]
     text: Option<String>,
     #[command(flatten)]
@@ -210,24 +210,43 @@ pub(crate) struct SearchArgs {
 pub(crate) fn search(args: &SearchArgs) -> Result<ExitCode> {
     let graphs = args.graph.iter().map(|path| read_artefact(path));
     let mut graphs: Vec<SceneGraph> = graphs.collect::<Result<_, Error>>()?;
-    let query: Query = match (&args.query, &args.text) {
-        (Some(path), _) => read_artefact(path)?,
+    let queries: Vec<Query> = match (&args.query, &args.text) {
+        (Some(path), _) => vec![read_artefact(path)?],
         (None, text) => {
-            read_query(&question(text.as_deref().unwrap_or_default())?, &args.reading.config())?
+            let texts = questions(text.as_deref().unwrap_or_default())?;
+            let read = |text: &String| read_query(text, &args.reading.config());
+            texts.iter().map(read).collect::<Result<_, _>>()?
         }
     };
     let config = args.answers.search();
     if config.pooling == Pooling::PerCondition {
         jrdb_graph::make_timeless(&mut graphs);
     }
-    let mut answer = match graphs.as_slice() {
-        [graph] if query.slots.is_empty() => jrdb_search::search(graph, &query, &config),
-        graphs => jrdb_search::search_frames(graphs, None, &query, &config),
-    };
-    if let ([graph], true) = (graphs.as_slice(), args.answers.sensitivity) {
-        answer.sensitivity = jrdb_search::sensitivity(graph, &query, &config);
+    if let (true, Some(path)) = (queries.len() > 1, &args.output.out) {
+        let found = format!("found {} on standard input", queries.len());
+        bail!(Error::Usage(format!("expected one question for the file {path:?}, {found}")));
     }
-    let summary = report::answer(&query, &answer, args.answers.why_not.as_ref());
+    for query in &queries {
+        answer(args, &graphs, query, &config)?;
+    }
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Answers one question of `search`.
+fn answer(
+    args: &SearchArgs,
+    graphs: &[SceneGraph],
+    query: &Query,
+    config: &SearchConfig,
+) -> Result<ExitCode> {
+    let mut answer = match graphs {
+        [graph] if query.slots.is_empty() => jrdb_search::search(graph, query, config),
+        graphs => jrdb_search::search_frames(graphs, None, query, config),
+    };
+    if let ([graph], true) = (graphs, args.answers.sensitivity) {
+        answer.sensitivity = jrdb_search::sensitivity(graph, query, config);
+    }
+    let summary = report::answer(query, &answer, args.answers.why_not.as_ref());
     args.output.give(json!(config), &jrdb_render::with_words(answer), summary.trim_end())
 }
 
@@ -250,26 +269,87 @@ pub(crate) struct EvaluateArgs {
 }
 
 pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
-    let questions = jrdb_dataset::read_questions(&args.questions).map_err(Error::from)?;
-    let answers = args.answers.iter().map(|path| read_artefact(path));
-    let answers: Vec<Answer> = answers.collect::<Result<_, Error>>()?;
-    let find = |answer: &Answer| {
-        let asked = |q: &&Question| q.frame == answer.frame && q.text == answer.question;
-        questions.questions.iter().find(asked)
-    };
-    let outcomes: Vec<Outcome<'_>> = answers
-        .iter()
-        .filter_map(|answer| Some(Outcome { question: find(answer)?, answer }))
-        .collect();
-    if outcomes.len() < answers.len() {
-        eprintln!(
-            "note: {} answers are to no question of the file",
-            answers.len() - outcomes.len()
+    let questions = jrdb_dataset::read_questions(&args.questions).map_err(Error::from)?.questions;
+    let mut answers: Vec<(&Path, Answer)> = Vec::new();
+    for path in &args.answers {
+        answers.push((path, read_artefact(path)?));
+    }
+    let Matched { outcomes, unanswered, strangers } = matched(&questions, &answers)?;
+    if outcomes.is_empty() {
+        let (path, answer) = &answers[0];
+        bail!(
+            "expected answers to questions of {:?}, found none: the first, in {path:?}, is to {:?} about {}",
+            args.questions,
+            answer.question,
+            answer.frame
         );
+    }
+    if strangers > 0 {
+        eprintln!("note: {strangers} answers are to no question of the file");
+    }
+    if !unanswered.is_empty() {
+        eprintln!(
+            "note: {} of {} questions have no answer and count as missed:",
+            unanswered.len(),
+            questions.len()
+        );
+        for question in unanswered.iter().take(LISTED_MAX) {
+            eprintln!("  {} {:?}", question.frame, question.text);
+        }
+        if unanswered.len() > LISTED_MAX {
+            eprintln!("  and {} more", unanswered.len() - LISTED_MAX);
+        }
     }
     let mut config = PipelineConfig::default();
     args.iou.apply(&mut config);
     config.metrics.period_px = Some(args.period_px);
-    let scores = jrdb_metrics::evaluate(&outcomes, &config.metrics);
+    let scores = jrdb_metrics::evaluate_all(&outcomes, &unanswered, &config.metrics);
     args.output.give(json!(config.metrics), &scores, &jrdb_render::scores(&scores))
+}
+
+/// Unanswered questions that are listed one by one.
+const LISTED_MAX: usize = 10;
+
+/// Answers beside their questions.
+struct Matched<'a> {
+    outcomes: Vec<Outcome<'a>>,
+    /// Questions without an answer.
+    unanswered: Vec<&'a Question>,
+    /// How many answers are to no question.
+    strangers: usize,
+}
+
+/// Finds the question of every answer: that of the same frame and text. Where a file asks a question twice, it may be
+/// answered twice.
+fn matched<'a>(
+    questions: &'a [Question],
+    answers: &'a [(&Path, Answer)],
+) -> Result<Matched<'a>, Error> {
+    let mut given: Vec<Option<&(&Path, Answer)>> = vec![None; questions.len()];
+    let mut strangers = 0;
+    for answered in answers {
+        let (path, answer) = answered;
+        let is_to = |q: &Question| q.frame == answer.frame && q.text == answer.question;
+        let mut places = (0..questions.len()).filter(|place| is_to(&questions[*place])).peekable();
+        let Some(first) = places.peek().copied() else {
+            strangers += 1;
+            continue;
+        };
+        match (places.find(|place| given[*place].is_none()), given[first]) {
+            (Some(place), _) => given[place] = Some(answered),
+            (None, Some((other, _))) => {
+                return Err(Error::Usage(format!(
+                    "expected one answer to {:?} about {}, found two: {other:?} and {path:?}",
+                    answer.question, answer.frame
+                )));
+            }
+            (None, None) => {}
+        }
+    }
+    let pairs = questions.iter().zip(&given);
+    let outcome = |(question, given): (&'a Question, &Option<&'a (&Path, Answer)>)| {
+        given.map(|(_, answer)| Outcome { question, answer })
+    };
+    let unanswered = pairs.clone().filter(|(_, given)| given.is_none()).map(|(q, _)| q).collect();
+    Ok(Matched { outcomes: pairs.filter_map(outcome).collect(), unanswered, strangers })
 }

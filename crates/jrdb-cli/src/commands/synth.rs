@@ -78,6 +78,7 @@ impl SynthArgs {
 
 pub(crate) fn synth(args: &SynthArgs) -> Result<ExitCode> {
     let config = args.config()?;
+    jrdb_dataset::check_sequence_name(&config.sequence).map_err(Error::from)?;
     let world = jrdb_synth::generate(&config);
     jrdb_synth::write(&world, &args.out).map_err(Error::from)?;
     let out = args.out.display();

@@ -1,6 +1,6 @@
 //! A small dataset in JRDB's form, to be broken: two people 3 m ahead and 3 m to the left.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use jrdb_dataset::{LabelledFrame, LidarMount, OfficialCalibration, TreeWriter};
 use jrdb_types::*;
@@ -51,6 +51,22 @@ fn cloud(sensor: &str, z: f32) -> PointCloud {
         cloud.z.push(z);
     }
     cloud
+}
+
+/// The files of a name below a folder, sorted.
+#[allow(dead_code, reason = "not every test file looks for files")]
+pub(crate) fn files(root: &Path, name: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(root).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            found.extend(files(&path, name));
+        } else if name.is_empty() || path.file_name().is_some_and(|one| one == name) {
+            found.push(path);
+        }
+    }
+    found.sort();
+    found
 }
 
 /// Writes the dataset with frames 0 and 1.

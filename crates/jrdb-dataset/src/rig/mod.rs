@@ -22,7 +22,7 @@ pub use nuscenes::{Calibrations, nuscenes};
 pub(crate) use plausible::check;
 pub use plausible::doubts;
 
-use crate::{Error, file, json};
+use crate::{Error, file, json, picture_size};
 
 /// Reads a rig file: a `jrdb.rig` artefact as `.json`, `.yaml` or `.yml`.
 ///
@@ -66,6 +66,11 @@ pub fn read(path: &Path) -> Result<Rig, Error> {
         return Err(Error::content(path, EXPECTED, kind));
     }
     let rig = from_value(value).map_err(|source| Error::Artefact { path: path.into(), source })?;
+    for (i, camera) in rig.cameras.iter().enumerate() {
+        let (image, place) = (camera.lens.image(), format!("data.cameras[{i}].lens"));
+        let keys = [&*format!("{place}.width_px"), &*format!("{place}.height_px")];
+        picture_size::check([image.width_px, image.height_px], keys, path)?;
+    }
     check(&rig, path)?;
     Ok(rig)
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use jrdb_types::lens::{DistortionModel, Pinhole};
 
-use crate::Error;
+use crate::{Error, picture_size};
 
 /// A camera without distortion from K, row by row: `fx 0 cx, 0 fy cy, 0 0 1`.
 pub(super) fn pinhole(
@@ -13,10 +13,9 @@ pub(super) fn pinhole(
     key: &str,
     path: &Path,
 ) -> Result<Pinhole, Error> {
-    if width_px == 0 || height_px == 0 {
-        let expected = format!("an image with pixels for {key}");
-        return Err(Error::content(path, expected, format!("{width_px} x {height_px}")));
-    }
+    let keys =
+        [&*format!("width of the image of {key}"), &*format!("height of the image of {key}")];
+    picture_size::check([width_px, height_px], keys, path)?;
     match k {
         [fx, 0.0, cx, 0.0, fy, cy, 0.0, 0.0, 1.0] if fx > 0.0 && fy > 0.0 => {
             let distortion = DistortionModel::None;

@@ -11,7 +11,7 @@ use jrdb_types::{FrameId, Image, PointCloud};
 use crate::calibration::{LIDARS, OfficialCalibration};
 use crate::labels::{BOXES, SOCIAL, SPACE};
 use crate::tree::{CALIBRATION, CLOUDS, IMAGES, LABELS};
-use crate::{Error, file, image, pcd};
+use crate::{Error, check_sequence_name, file, image, pcd};
 use frame::file_name;
 
 pub use frame::LabelledFrame;
@@ -34,9 +34,10 @@ impl TreeWriter {
     /// Writes `images/image_stitched/<sequence>/<frame>.png`.
     ///
     /// # Errors
-    /// [`Error::Write`], or [`Error::Content`] for an image without pixels or with a wrong number of
+    /// [`Error::Name`], [`Error::Write`], or [`Error::Content`] for an image without pixels or with a wrong number of
     /// samples.
     pub fn image(&self, frame: &FrameId, image: &Image) -> Result<(), Error> {
+        check_sequence_name(&frame.sequence)?;
         let path = self.root.join(IMAGES).join(&frame.sequence).join(file_name(frame, "png"));
         let samples = 3 * image.width * image.height;
         if samples == 0 || image.rgb.len() != samples {
@@ -49,8 +50,9 @@ impl TreeWriter {
     /// Writes `pointclouds/<sensor>/<sequence>/<frame>.pcd`, compressed as JRDB's are.
     ///
     /// # Errors
-    /// [`Error::Write`], or [`Error::Content`] when the cloud's sensor is not one of JRDB's.
+    /// [`Error::Name`], [`Error::Write`], or [`Error::Content`] when the cloud's sensor is not one of JRDB's.
     pub fn cloud(&self, frame: &FrameId, cloud: &PointCloud) -> Result<(), Error> {
+        check_sequence_name(&frame.sequence)?;
         let path = self.root.join(CLOUDS).join(&cloud.sensor).join(&frame.sequence);
         let path = path.join(file_name(frame, "pcd"));
         if !LIDARS.iter().any(|(name, _)| *name == cloud.sensor) {
@@ -85,8 +87,9 @@ impl TreeWriter {
     /// who takes part in no interaction is a social group of one.
     ///
     /// # Errors
-    /// [`Error::Write`].
+    /// [`Error::Name`] or [`Error::Write`].
     pub fn labels(&self, sequence: &str, frames: &[LabelledFrame]) -> Result<(), Error> {
+        check_sequence_name(sequence)?;
         let write = |folder: &str, text: String| {
             let path = self.root.join(LABELS).join(folder).join(format!("{sequence}.json"));
             file::write(&path, text.as_bytes())

@@ -187,6 +187,7 @@ impl Backbone {
             "detector": detector.config(),
             "attributes": attribute_config,
         });
+        notes.extend(loader.warnings());
         let categories = self.categories.as_ref().map(|all| all.iter().cloned().collect());
         let models = Models { detector, attributes, grounder, categories, config };
         Ok(Opened { models, notes })

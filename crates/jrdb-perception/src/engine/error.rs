@@ -36,6 +36,12 @@ pub enum EngineError {
         #[source]
         source: Cause,
     },
+    /// The file asks for more memory than a model needs.
+    #[error("{found}")]
+    TooLarge {
+        /// What is too large, and how large it may be.
+        found: String,
+    },
     /// The model has no tensor with this name.
     #[error("the model has no {kind} {name:?}; it has {known:?}")]
     Name {

@@ -7,6 +7,8 @@
 mod device_tensor;
 mod error;
 mod interface;
+mod onnx_limits;
+mod onnx_wire;
 #[cfg(feature = "ort")]
 mod ort;
 #[cfg(feature = "ort")]
@@ -20,6 +22,7 @@ mod tensor;
 pub use self::device_tensor::{DeviceTensor, DeviceValue, Input};
 pub use self::error::{Cause, EngineError};
 pub use self::interface::{Engine, check_call};
+pub use self::onnx_limits::check_onnx;
 #[cfg(feature = "ort")]
 pub use self::ort::{OrtEngine, OrtLibrary, Sessions};
 #[cfg(feature = "rten")]

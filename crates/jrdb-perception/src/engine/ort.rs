@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
+use jrdb_types::contained;
 use ort::environment::Environment;
 use ort::session::{Session, SessionInputValue, SessionOutputs};
 
@@ -180,10 +181,10 @@ impl OrtEngine {
             .map(|(name, input)| Ok(((*name).to_owned(), given(name, *input)?)))
             .collect::<Result<Vec<(String, SessionInputValue<'_>)>, EngineError>>()?;
         let mut session = self.take()?;
-        let result = session.run(values).map_err(failed).and_then(read);
+        let result = contained(NAME, || session.run(values).map_err(failed).and_then(read));
         self.idle().push(session);
         self.freed.notify_one();
-        result
+        result.map_err(failed)?
     }
 
     fn unknown(&self, name: &str) -> EngineError {

@@ -1,14 +1,17 @@
 //! rten: pure Rust, on the processor, needs nothing but this crate.
 
 use std::fmt;
+use std::io::Cursor;
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
+use jrdb_types::contained;
 use rten::{Model, NodeId, RunOptions, ThreadPool, Value, ValueOrView};
 
 use super::device_tensor::{DeviceTensor, Input};
-use super::error::EngineError;
+use super::error::{Cause, EngineError};
 use super::interface::{Engine, check_call};
+use super::onnx_limits::check_onnx;
 use super::rten_value::{NAME, RtenValue, failed, given};
 
 /// A model run by rten. Integers are computed in 32 bits.
@@ -35,19 +38,23 @@ impl RtenEngine {
     /// [`EngineError::Model`] if the bytes are not an ONNX model or use an operator unknown to
     /// rten.
     pub fn from_onnx(bytes: &[u8]) -> Result<Self, EngineError> {
-        Model::load(bytes.to_vec())
-            .map(Self::new)
-            .map_err(|e| EngineError::Model { engine: NAME, source: e.into() })
+        check_onnx(Cursor::new(bytes), bytes.len() as u64)?;
+        Self::load(|| Model::load(bytes.to_vec()))
     }
 
-    /// Reads an ONNX model from a file, and weights that it keeps in files beside it.
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. Whether the file asks for too much
+    /// memory is to be checked before, with [`check_onnx`].
     ///
     /// # Errors
     /// [`EngineError::Model`] if the file is not an ONNX model or uses an operator unknown to rten.
     pub fn from_file(path: &Path) -> Result<Self, EngineError> {
-        Model::load_file(path)
-            .map(Self::new)
-            .map_err(|e| EngineError::Model { engine: NAME, source: e.into() })
+        Self::load(|| Model::load_file(path))
+    }
+
+    fn load<E: Into<Cause>>(load: impl FnOnce() -> Result<Model, E>) -> Result<Self, EngineError> {
+        let refused = |source: Cause| EngineError::Model { engine: NAME, source };
+        let loaded = contained(NAME, || load().map(Self::new).map_err(Into::into));
+        loaded.map_err(|panic| refused(panic.into()))?.map_err(refused)
     }
 
     fn new(model: Model) -> Self {
@@ -75,11 +82,12 @@ impl RtenEngine {
         // caller that runs many models in parallel would then start them all at once. A plain
         // thread just waits.
         let result = std::thread::scope(|scope| {
-            scope.spawn(|| self.model.run(inputs, outputs, Some(options))).join()
+            let run = || contained(NAME, || self.model.run(inputs, outputs, Some(options)));
+            scope.spawn(run).join()
         });
         idle().push(pool);
         match result {
-            Ok(values) => values.map_err(failed),
+            Ok(values) => values.map_err(failed)?.map_err(failed),
             Err(_) => Err(failed("the engine panicked")),
         }
     }

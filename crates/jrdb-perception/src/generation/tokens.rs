@@ -2,7 +2,10 @@
 
 use std::fmt;
 
+use jrdb_types::contained;
+
 use crate::detector::PerceptionError;
+use crate::engine::Cause;
 
 /// A model's tokenizer, from its `tokenizer.json`.
 pub struct Tokens(tokenizers::Tokenizer);
@@ -19,7 +22,7 @@ impl Tokens {
     /// # Errors
     /// [`PerceptionError::Tokens`] if the text is not a tokenizer.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
-        tokenizers::Tokenizer::from_bytes(text).map(Self).map_err(PerceptionError::Tokens)
+        guarded(|| tokenizers::Tokenizer::from_bytes(text)).map(Self)
     }
 
     /// The ids of a text, between the marks that the tokenizer puts around a whole input.
@@ -39,7 +42,7 @@ impl Tokens {
     }
 
     fn encode_with(&self, text: &str, around: bool) -> Result<Vec<u32>, PerceptionError> {
-        let encoding = self.0.encode(text, around).map_err(PerceptionError::Tokens)?;
+        let encoding = guarded(|| self.0.encode(text, around))?;
         Ok(encoding.get_ids().to_vec())
     }
 
@@ -48,7 +51,7 @@ impl Tokens {
     /// # Errors
     /// [`PerceptionError::Tokens`] if the decoder refuses them.
     pub fn decode(&self, ids: &[u32]) -> Result<String, PerceptionError> {
-        self.0.decode(ids, !SKIP_SPECIAL).map_err(PerceptionError::Tokens)
+        guarded(|| self.0.decode(ids, !SKIP_SPECIAL))
     }
 
     /// The text of ids without special tokens.
@@ -56,7 +59,7 @@ impl Tokens {
     /// # Errors
     /// [`PerceptionError::Tokens`] if the decoder refuses them.
     pub fn decode_words(&self, ids: &[u32]) -> Result<String, PerceptionError> {
-        self.0.decode(ids, SKIP_SPECIAL).map_err(PerceptionError::Tokens)
+        guarded(|| self.0.decode(ids, SKIP_SPECIAL))
     }
 
     /// The id of one token.
@@ -71,3 +74,9 @@ impl Tokens {
 /// Names for the tokenizer's flags.
 const AROUND: bool = true;
 const SKIP_SPECIAL: bool = true;
+
+/// What the tokenizer returns; a panic of it is an error, too.
+fn guarded<T>(work: impl FnOnce() -> Result<T, Cause>) -> Result<T, PerceptionError> {
+    let worked = contained("the tokenizer", work);
+    worked.map_err(|panic| PerceptionError::Tokens(panic.into()))?.map_err(PerceptionError::Tokens)
+}
