@@ -12,6 +12,7 @@ pub mod report;
 pub mod result;
 pub mod run;
 pub mod run_folder;
+pub mod run_options;
 pub mod source;
 
 mod description;
@@ -20,4 +21,5 @@ mod guard;
 
 pub use error::Error;
 pub use result::{FrameOutput, FrameResult, RunSummary};
-pub use run::{Run, RunOptions};
+pub use run::Run;
+pub use run_options::RunOptions;

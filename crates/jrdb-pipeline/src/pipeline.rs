@@ -7,7 +7,8 @@ use jrdb_graph::IndexedGraph;
 use jrdb_perception::{Perceive, View};
 use jrdb_projection::{BaseCloud, Motions, Placement, Space};
 use jrdb_types::{
-    Capabilities, Coverage, Detections, FloorPlane, Issue, IssueKind, Localizer, PointCloud,
+    Capabilities, Coverage, Detection, Detections, EntityId, FloorPlane, Issue, IssueKind,
+    Localizer, PointCloud,
 };
 
 use crate::motion::Places;
@@ -143,8 +144,11 @@ impl Pipeline {
         let found = self.perception.perceive(&frame.id, &view);
         let fail = |source| Error::Perception { frame: frame.id.clone(), source };
         let mut detections = found.map_err(fail)?;
+        let sees = detections.capabilities.get_or_insert_with(|| self.perception.capabilities());
+        if detections.issues.iter().any(|issue| is_lost(issue, &detections.detections)) {
+            sees.categories = Capabilities::none().categories;
+        }
         detections.issues.extend(image.and_then(|image| image.known_issue()).cloned());
-        detections.capabilities.get_or_insert_with(|| self.perception.capabilities());
         Ok(detections)
     }
 
@@ -159,6 +163,16 @@ impl Pipeline {
         let placements = jrdb_projection::place(&detections, &space, &self.config.projection);
         let placements = placements.map_err(fail)?;
         Ok(PlacedFrame { frame, detections, cloud, floor, placements, issues })
+    }
+}
+
+/// Whether an issue is about something that is not among the detections: who is not seen may be that one.
+fn is_lost(issue: &Issue, found: &[Detection]) -> bool {
+    let is_about = |subject: &EntityId| found.iter().any(|detection| detection.id == *subject);
+    match issue.kind {
+        IssueKind::BadBox | IssueKind::MissingInput => true,
+        IssueKind::BadLabel => !issue.subject.as_ref().is_some_and(is_about),
+        _ => false,
     }
 }
 
@@ -180,6 +194,8 @@ fn most_confident(mut found: Detections, most: usize) -> Detections {
              does the detector suppress overlapping boxes?"
         );
         found.issues.push(Issue::new(IssueKind::MissingInput, message));
+        let sees = found.capabilities.get_or_insert_with(Capabilities::none);
+        sees.categories = Capabilities::none().categories;
     }
     found
 }

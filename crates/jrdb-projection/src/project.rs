@@ -69,7 +69,7 @@ pub fn project(
 }
 
 /// Entities and the relations of every pair of them, from detections whose places are known. Issues of the detections
-/// about missing inputs are carried on: they decide what can be said about the frame.
+/// about lost inputs are carried on: they decide what can be said about the frame.
 ///
 /// `placements` are those of [`crate::place`] for the same detections and points. `motions` may be empty.
 #[must_use]
@@ -92,7 +92,7 @@ pub fn entities(
     let frame = detections.frame.clone();
     let entities = placed.into_iter().map(|placed| placed.entity).collect();
     let (lateral, capabilities) = (config.lateral, detections.capabilities.clone());
-    let inputs = detections.issues.iter().filter(|issue| issue.kind.is_missing_input());
+    let inputs = detections.issues.iter().filter(|issue| issue.kind.loses_input());
     issues.splice(0..0, inputs.cloned());
     Entities { frame, lateral, entities, relations, between, capabilities, issues }
 }

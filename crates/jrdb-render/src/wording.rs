@@ -120,12 +120,13 @@ fn relation(related: &Related) -> String {
 }
 
 fn partner(related: &Related) -> String {
-    let described = description(&related.partner);
+    // Each of these words the partner once: twice at every level would double the work with the depth.
+    let described = || description(&related.partner);
     match related.quantity {
         Quantity::SOME => pattern(&related.partner),
-        Quantity::NONE => format!("no {described}"),
-        Quantity { at_least: 1, at_most: Some(1) } => format!("exactly one {described}"),
-        quantity => format!("{} × {described}", amount(quantity)),
+        Quantity::NONE => format!("no {}", described()),
+        Quantity { at_least: 1, at_most: Some(1) } => format!("exactly one {}", described()),
+        quantity => format!("{} × {}", amount(quantity), described()),
     }
 }
 

@@ -57,7 +57,7 @@ impl Causes<'_, '_, '_> {
         for issue in &self.searcher.index.scene().issues {
             match issue.kind {
                 IssueKind::MissingInput => self.add(CauseKind::Sensor, issue.message.clone()),
-                IssueKind::MissingLabels => self.add(CauseKind::Label, issue.message.clone()),
+                kind if kind.loses_input() => self.add(CauseKind::Label, issue.message.clone()),
                 _ => {}
             }
         }
@@ -92,7 +92,8 @@ impl Causes<'_, '_, '_> {
     }
 
     fn pattern(&mut self, pattern: &Pattern, perhaps: Option<&BitSet>) {
-        if !self.searcher.sees.sees_category(&pattern.category) {
+        let sees_anything = self.searcher.sees.categories.any(|_| true);
+        if sees_anything && !self.searcher.sees.sees_category(&pattern.category) {
             let what = match &pattern.category {
                 Category::Person => "people",
                 Category::Object => "objects",

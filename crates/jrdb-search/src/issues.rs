@@ -60,6 +60,14 @@ impl Missing<'_, '_, '_> {
         }
     }
 
+    /// Things of a partner's kind are missing only where perception cannot see them: else there are none.
+    fn partner(&mut self, pattern: &Pattern) {
+        if !self.searcher.sees.sees_category(&pattern.category) {
+            self.kind(&pattern.category);
+        }
+        self.pattern(pattern);
+    }
+
     fn pattern(&mut self, pattern: &Pattern) {
         pattern.conditions.iter().for_each(|condition| self.condition(condition));
         if let Some(pick) = &pattern.pick {
@@ -79,11 +87,11 @@ impl Missing<'_, '_, '_> {
             }
             Condition::Related(related) => {
                 related.kinds.iter().for_each(|kind| self.relation(kind, &related.partner));
-                self.pattern(&related.partner);
+                self.partner(&related.partner);
             }
             Condition::Compared(compared) => {
                 self.measure(&compared.measure);
-                self.pattern(&compared.than);
+                self.partner(&compared.than);
             }
             Condition::Phrase(_) => {}
             Condition::Is(pattern) => self.pattern(pattern),

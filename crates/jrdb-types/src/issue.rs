@@ -47,10 +47,10 @@ pub enum IssueKind {
 }
 
 impl IssueKind {
-    /// Whether a file of the frame, or of its labels, is absent or unreadable.
+    /// Whether a part of the input is lost: a file of the frame or of its labels, or an object in one.
     #[must_use]
-    pub const fn is_missing_input(self) -> bool {
-        matches!(self, Self::MissingInput | Self::MissingLabels)
+    pub const fn loses_input(self) -> bool {
+        matches!(self, Self::MissingInput | Self::MissingLabels | Self::BadLabel | Self::BadBox)
     }
 }
 
