@@ -30,6 +30,10 @@ const FRAME_FILES: [&str; 9] = [
 const RESULT_FILES: [&str; 3] = ["answer.json", "panorama.png", "inputs.json"];
 /// How deep they lie: sequence, frame, question.
 const DEPTH: usize = 3;
+/// How deep the folders of frames lie.
+const FRAME_DEPTH: usize = 2;
+/// Digits of their names.
+const FRAME_DIGITS: usize = 6;
 
 /// What is done when the folder holds another run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -200,6 +204,12 @@ fn folders(folder: &Path) -> Result<Vec<PathBuf>, Error> {
     Ok(found)
 }
 
+/// Whether a folder is named like a frame's.
+fn is_frame(folder: &Path) -> bool {
+    let name = folder.file_name().unwrap_or_default().as_encoded_bytes();
+    name.len() >= FRAME_DIGITS && name.iter().all(u8::is_ascii_digit)
+}
+
 /// The folder and those below that hold results, the deepest first.
 fn result_folders(folder: &Path, depth: usize) -> Result<Vec<PathBuf>, Error> {
     let mut all = Vec::new();
@@ -208,9 +218,10 @@ fn result_folders(folder: &Path, depth: usize) -> Result<Vec<PathBuf>, Error> {
             all.extend(result_folders(&below, depth + 1)?);
         }
     }
-    let holds_results = RESULT_FILES.iter().any(|name| folder.join(name).is_file());
-    // A frame's folder is known by those of its questions, also where the frame was not completed.
-    if holds_results || (depth > 0 && !all.is_empty()) {
+    let has = |names: &[&str]| names.iter().any(|name| folder.join(name).is_file());
+    // A frame that was not completed may have artefacts only; a folder above results is empty without them.
+    let is_begun = depth == FRAME_DEPTH && is_frame(folder) && has(&FRAME_FILES);
+    if has(&RESULT_FILES) || is_begun || (depth > 0 && !all.is_empty()) {
         all.push(folder.into());
     }
     Ok(all)
@@ -218,7 +229,9 @@ fn result_folders(folder: &Path, depth: usize) -> Result<Vec<PathBuf>, Error> {
 
 /// Removes the files of a run that are known by name, and folders that are empty then. Others stay.
 fn remove_results(root: &Path) -> Result<(), Error> {
-    for folder in result_folders(root, 0)? {
+    let holding = result_folders(root, 0)?;
+    let is_run = !holding.is_empty() || root.join(RUN_FILE).is_file();
+    for folder in holding {
         for name in FRAME_FILES {
             remove(&folder.join(name))?;
         }
@@ -227,7 +240,7 @@ fn remove_results(root: &Path) -> Result<(), Error> {
             let _ = std::fs::remove_dir(&folder);
         }
     }
-    if root.join(RUN_FILE).is_file() {
+    if is_run {
         remove(&root.join("scores.json"))?;
         remove(&root.join(RUN_FILE))?;
     }
@@ -295,10 +308,13 @@ mod tests {
         write(&own, b"mine").unwrap();
         drop(open(root.path(), "who?", Existing::Overwrite).unwrap());
         write(&stale, b"{}").unwrap();
+        let begun = root.path().join("plaza_0/000005/detections.json");
+        write(&begun, b"{}").unwrap();
         let error = open(root.path(), "where?", Existing::Refuse).unwrap_err();
         assert!(error.contains("another run: run.questions"), "{error}");
         assert!(error.contains("--overwrite") && stale.exists());
         drop(open(root.path(), "where?", Existing::Overwrite).unwrap());
+        assert!(!begun.exists());
         assert!(!stale.exists() && !stale.parent().unwrap().exists() && own.exists());
     }
 

@@ -636,3 +636,151 @@ fn what_people_wear_on_the_head_comes_from_a_detections_file_and_can_be_asked() 
     let ran = jrdb(&["run", "--scene", &root, "--perception", &source, "--query", nobody]);
     contains(&ran.out, &["answer  yes"]);
 }
+
+#[test]
+fn several_sequences_of_a_tree_are_answered_and_an_unknown_one_is_told_the_known() {
+    let scene = Scene::new();
+    for folder in
+        ["images/image_stitched", "pointclouds/upper_velodyne", "pointclouds/lower_velodyne"]
+    {
+        let [from, to] = ["two-people", "again"].map(|name| scene.path(folder).join(name));
+        std::fs::create_dir(&to).unwrap();
+        for file in tree::files(&from, "") {
+            std::fs::copy(&file, to.join(file.file_name().unwrap())).unwrap();
+        }
+    }
+    for folder in ["labels_2d_stitched", "labels_3d", "labels_2d_activity_social_stitched"] {
+        let labels = scene.path("labels").join(folder);
+        std::fs::copy(labels.join("two-people.json"), labels.join("again.json")).unwrap();
+    }
+    let run = ["run", "--dataset", scene.root(), "--query", "Find the male", "--frames", "0..1"];
+    let ran = jrdb(&[&run[..], &["--sequence", "two-people", "--sequence", "again"]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &["two-people/000000", "again/000000"]);
+    let ran = jrdb(&[&run[..], &["--sequence", "two"]].concat());
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["expected one of the sequences again, two-people, found \"two\""]);
+    let ran = jrdb(&[&run[..], &["--sequence", "../image_stitched/two-people"]].concat());
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["expected a sequence name"]);
+}
+
+#[test]
+fn a_tree_without_labels_says_what_to_do() {
+    let scene = Scene::new();
+    std::fs::remove_dir_all(scene.path("labels")).unwrap();
+    let ran = scene.ask("Find the male");
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["expected labels of two-people", "--perception"]);
+}
+
+#[test]
+fn a_name_that_is_no_folder_is_refused_by_synth_and_a_full_disk_is_failed_work() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("a/b/out");
+    let synth = ["synth", "--people", "1", "--out", out.to_str().unwrap()];
+    for name in ["..", ".", "", "../../escaped", "/escaped", "a\nb", "a\\b"] {
+        let ran = jrdb(&[&synth[..], &["--sequence", name]].concat());
+        assert_eq!(ran.code, 2, "{name:?}");
+        contains(&ran.err, &["expected a sequence name"]);
+    }
+    assert!(!folder.path().join("a").exists());
+    std::fs::write(folder.path().join("a"), b"").unwrap();
+    let ran = jrdb(&synth);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    contains(&ran.err, &["cannot write"]);
+}
+
+/// Runs `jrdb` with a text on its standard input.
+fn jrdb_reading(arguments: &[&str], text: &str) -> Ran {
+    use std::io::Write as _;
+    let mut command = Command::new(env!("CARGO_BIN_EXE_jrdb"));
+    command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().unwrap();
+    child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+    let output = child.wait_with_output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    Ran { code: output.status.code().unwrap(), out: text(output.stdout), err: text(output.stderr) }
+}
+
+#[test]
+fn each_line_of_standard_input_is_a_question() {
+    let scene = Scene::new();
+    let out = scene.path("run");
+    let run = ["run", "--scene", scene.root(), "--query", "Find the male", "--artifacts", "--out"];
+    assert_eq!(jrdb(&[&run[..], &[out.to_str().unwrap()]].concat()).code, 0);
+    let graph = tree::files(&out, "scene_graph.json")[0].to_str().unwrap().to_owned();
+    let search = ["search", "--graph", &graph, "--text", "-", "--format", "json"];
+    let ran = jrdb_reading(&search, "Find the male\r\n\nFind the female\n");
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert_eq!(ran.out.matches("\"jrdb.answer\"").count(), 2);
+    let ran = jrdb_reading(&["parse", "-"], "Find the male\nFind the female\n");
+    assert_eq!(ran.code, 2);
+    contains(&ran.err, &["expected one question, found 2 lines"]);
+}
+
+#[test]
+fn unanswered_questions_are_missed_and_answers_to_nothing_are_no_result() {
+    let plaza = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/scenes/plaza");
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let query = "How many people are there?";
+    assert_eq!(jrdb(&["run", "--scene", plaza, "--query", query, "--out", out]).code, 0);
+    let answer = tree::files(folder.path(), "answer.json")[0].clone();
+    let answers = answer.to_str().unwrap();
+    let file = folder.path().join("questions.json");
+    let listed = std::fs::read_to_string(Path::new(plaza).join("questions.json")).unwrap();
+    let listed: serde_json::Value = serde_json::from_str(&listed).unwrap();
+    let question = |text: &str| {
+        let mut one = listed[0].clone();
+        one["question"]["question"] = text.into();
+        one.to_string()
+    };
+    let ask = |texts: &[&str]| {
+        let all: Vec<String> = texts.iter().map(|text| question(text)).collect();
+        std::fs::write(&file, format!("[{}]", all.join(","))).unwrap();
+        let evaluate = ["evaluate", "--questions", file.to_str().unwrap(), "--answers", answers];
+        (jrdb(&evaluate), jrdb(&[&evaluate[..], &["--answers", answers]].concat()))
+    };
+    let (ran, twice) = ask(&[query, "Who is it?", "Where is it?"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.err, &["2 of 3 questions have no answer and count as missed", "Where is it?"]);
+    assert_eq!(twice.code, 2);
+    contains(&twice.err, &["expected one answer to \"How many people are there?\""]);
+    let (ran, _) = ask(&["Who is it?"]);
+    assert_eq!(ran.code, 1);
+    contains(&ran.err, &["expected answers to questions of", "found none"]);
+}
+
+#[test]
+fn an_artefact_of_an_earlier_version_is_brought_to_the_present_one() {
+    let folder = TempDir::new().unwrap();
+    let (old, new) = (folder.path().join("old.json"), folder.path().join("new.json"));
+    let rig = r#"{"schema": "jrdb.rig", "schema_version": 1, "producer": {"name": "jrdb", "version": "0"}, "config": null,
+        "data": {"panorama": {"width_px": 400, "height_px": 60, "focal_px": 51.5, "horizon_px": 26.0},
+        "lidars": [{"name": "upper_velodyne", "offset_m": [0, 0, -0.25], "yaw_rad": 0.0}]}}"#;
+    std::fs::write(&old, rig).unwrap();
+    let [old, new] = [&old, &new].map(|path| path.to_str().unwrap());
+    let ran = jrdb(&["migrate", old, "--out", new]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert_eq!(jrdb(&["rig", "file", new]).code, 0);
+    let scene = Scene::new();
+    let ran = jrdb(&["run", "--scene", scene.root(), "--rig", new, "--query", "Find the male"]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &["answer  #1"]);
+}
+
+#[test]
+fn a_picture_whose_decoder_panics_costs_itself_only() {
+    let scene = Scene::new();
+    scene.change(IMAGE, |png| {
+        // A palette of 4 bytes after the header: image-png 0.18.1 panics on it.
+        let (head, rest) = png.split_at(33);
+        [head, &[0, 0, 0, 4], b"PLTE", &[1, 2, 3, 4, 0, 0, 0, 0], rest].concat()
+    });
+    let out = scene.path("out");
+    let query = ["run", "--scene", scene.root(), "--query", "Find the male", "--out"];
+    let ran = jrdb(&[&query[..], &[out.to_str().unwrap()]].concat());
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    contains(&ran.out, &[IMAGE, "found 4 bytes in PLTE", "two-people/000001", "answer  #1"]);
+}

@@ -388,7 +388,8 @@ fn calibration_files_with_a_fault_say_which() {
             "expected 3 finite numbers as calibrated.lidar_upper_to_rgb.rotation",
         ),
         ("defaults.yaml", "lidar_lower", "lidar_middle", "expected calibrated.lidar_lower_to_rgb"),
-        ("defaults.yaml", "width: 376", "width: 0", "expected an image with pixels, found 0 x 48"),
+        ("defaults.yaml", "width: 376", "width: 0", "expected image.width of 1 to 65536 pixels"),
+        ("defaults.yaml", "width: 376", "width: 400000", "expected image.width of 1 to 65536 pix"),
         ("defaults.yaml", "image:", "picture:", "expected lidar mounts and an image size"),
     ];
     for (file, old, new, expected) in cases {

@@ -7,6 +7,7 @@ use jrdb_cli::{Run, RunOptions, migrate, source::Source};
 use jrdb_dataset::cloud::{BinLayout, Format};
 use jrdb_dataset::{Dataset, OfficialCalibration, PngCompression, pcd};
 use jrdb_parser::ParserConfig;
+use jrdb_perception::RtenEngine;
 use jrdb_perception::exchange::{Exchange, replay};
 use jrdb_perception::generation::Tokens;
 use jrdb_perception::prompts::Topic;
@@ -227,7 +228,9 @@ fn words() -> Result<Vec<Target>> {
     let notation = "find person[female, sitting, at direction=left: person[child], distance=close]";
     questions.push(notation.into());
     let tokenizer = vec![read(&workspace("models/demo/internvl35/tokenizer.json"))?];
+    let graph = vec![read(&workspace("models/demo/internvl35/onnx/embed_tokens.onnx"))?];
     Ok(vec![
+        target("onnx", Structure::Bytes, graph, |bytes, _| RtenEngine::from_onnx(bytes).is_ok()),
         target("question", Structure::Text, questions, |bytes, _| {
             let text = String::from_utf8_lossy(bytes);
             jrdb_pipeline::read_query(&text, &ParserConfig::default()).is_ok()
