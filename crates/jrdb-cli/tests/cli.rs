@@ -784,3 +784,38 @@ fn a_picture_whose_decoder_panics_costs_itself_only() {
     assert_eq!(ran.code, 0, "{}", ran.err);
     contains(&ran.out, &[IMAGE, "found 4 bytes in PLTE", "two-people/000001", "answer  #1"]);
 }
+
+#[test]
+fn info_describes_what_there_is_and_names_the_next_command() {
+    let scene = Scene::new();
+    let about = |path: &str| {
+        let ran = jrdb(&["info", path]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        ran.out
+    };
+    let tree = about(scene.root());
+    contains(&tree, &["a dataset in JRDB's form", "sequence two-people:", "jrdb run --scene"]);
+    contains(&about(scene.path(UPPER).to_str().unwrap()), &["a point cloud", "points", "z from"]);
+    let json = jrdb(&["info", scene.root(), "--format", "json"]).out;
+    contains(&json, &["\"kind\": \"dataset\"", "\"next\": \"jrdb run"]);
+    assert_eq!(jrdb(&["info", "nowhere"]).code, 2);
+}
+
+#[test]
+fn the_columns_of_a_cloud_without_a_header_can_be_stated() {
+    let scene = Scene::new();
+    let rows = as_bin(&scene);
+    let reversed = rows.chunks(16).flat_map(|row| {
+        let [x, y, z] = [0, 4, 8].map(|at| row[at..at + 4].to_vec());
+        [z, y, x].concat()
+    });
+    let bin = scene.path(UPPER).with_extension("bin");
+    std::fs::write(bin, reversed.collect::<Vec<u8>>()).unwrap();
+    let whole = scene.ask("who is closest to me");
+    std::fs::remove_file(scene.path(UPPER)).unwrap();
+    let stated = ["--cloud-columns", "z,y,x", "--query", "who is closest to me"];
+    let ran = jrdb(&[&["run", "--scene", scene.root()], &stated[..]].concat());
+    assert_eq!((ran.code, ran.out), (0, whole.out), "{}", ran.err);
+    let bad = jrdb(&["run", "--scene", scene.root(), "--cloud-columns", "x,y"]);
+    assert!(bad.code == 2 && bad.err.contains("expected columns such as"), "{}", bad.err);
+}

@@ -8,7 +8,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::number::Real;
-use crate::{Error, file, json};
+use crate::{Error, boxes, file, json};
 
 /// The only slot that a question about one frame has, and the first of one about a recording.
 const SLOT: &str = "slot1";
@@ -193,9 +193,9 @@ fn count(answer: &serde_json::Value) -> Option<usize> {
     }
 }
 
-fn human(id: &str) -> Result<EntityId, Mismatch> {
-    let bare = id.strip_prefix(HUMAN).unwrap_or(id);
-    bare.parse().map_err(|_| ("ids like \"h_pedestrian:12\"", format!("{id:?}")))
+fn human(text: &str) -> Result<EntityId, Mismatch> {
+    let id: Result<EntityId, _> = text.strip_prefix(HUMAN).unwrap_or(text).parse();
+    id.map(boxes::usual_id).map_err(|_| ("ids like \"h_pedestrian:12\"", format!("{text:?}")))
 }
 
 /// The attributes asked, joined by hyphens.

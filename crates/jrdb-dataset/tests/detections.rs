@@ -52,6 +52,10 @@ fn coco_results_are_numbered_from_left_to_right() {
     assert_eq!((found[&7].frame.sequence.as_str(), found[&7].frame.frame), ("cafe", 7));
     assert_eq!(found[&8].issues[0].kind, IssueKind::BadBox);
     assert!(found[&8].issues[0].message.starts_with("annotation 4: expected a box with an area"));
+    assert_eq!(
+        messages(&found[&8])[1],
+        "MissingInput: none of the frame's 1 detections could be used"
+    );
 }
 
 const DATASET: &str = r#"{

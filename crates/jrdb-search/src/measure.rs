@@ -93,6 +93,7 @@ impl Searcher<'_, '_> {
             };
         }
         let known = self.known_matching(&compared.than);
+        let than = if self.guesses() { than } else { known.yes.clone() };
         let all = BitSet::below(than.size(), than.size());
         let mut perhaps = known.possible(&all);
         perhaps.subtract(&known.yes);

@@ -130,6 +130,11 @@ impl Job {
 fn check(job: &Job, args: &CheckArgs) -> Result<ExitCode> {
     let report = job.check(&job.mounts)?;
     let unplanted = job.unplanted()?;
+    if report.verdict == Verdict::CannotTell {
+        eprintln!(
+            "note: not everything fits near the mounts; known errors are tried, which takes a while"
+        );
+    }
     let gross = gross_errors(&job.frames, &job.mounts, &report, &FitConfig::default())?;
     let words = gross.iter().map(gross_words).chain([words::verdict(&report)]);
     let words = words.collect::<Vec<_>>().join("; ");

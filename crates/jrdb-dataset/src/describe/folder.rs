@@ -68,7 +68,7 @@ fn tree(dataset: &Dataset) -> Result<Description, Error> {
             description.contains.push(format!("a rig: {}", names.join(", ")));
         }
         Err(error) => {
-            description.missing.push(format!("a calibration: {}", dataset.error_text(&error)))
+            description.missing.push(format!("a calibration: {}", dataset.error_text(&error)));
         }
     }
     let sequences = dataset.sequences()?;

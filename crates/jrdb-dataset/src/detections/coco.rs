@@ -29,6 +29,7 @@ struct Annotation {
     category_id: Option<Value>,
     bbox: Option<Value>,
     score: Option<Value>,
+    #[serde(alias = "is_crowd")]
     iscrowd: Option<Value>,
     ignore: Option<Value>,
 }

@@ -87,6 +87,13 @@ fn of_frame(
         })
         .collect();
     detections.sort_by(|a, b| a.id.cmp(&b.id));
+    let is_fault = |issue: &&Issue| matches!(issue.kind, IssueKind::BadBox | IssueKind::BadLabel);
+    let faults = issues.iter().filter(is_fault).count();
+    if detections.is_empty() && faults > 0 {
+        // Whom the detector saw is not known: nobody is not what it says.
+        let message = format!("none of the frame's {faults} detections could be used");
+        issues.push(Issue::new(IssueKind::MissingInput, message));
+    }
     let frame = FrameId { sequence: target.sequence.into(), frame };
     Detections { issues, ..Detections::new(frame, target.image, detections) }
 }

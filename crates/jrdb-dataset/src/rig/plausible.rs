@@ -54,7 +54,7 @@ fn check_transform(transform: &Transform, place: &str, path: &Path) -> Result<()
 
 fn check_lens(lens: &LensModel, place: &str, path: &Path) -> Result<(), Error> {
     let focal = focal_px(lens);
-    let short = focal.iter().find(|(_, pixels)| *pixels < MIN_FOCAL_PX);
+    let short = focal.iter().find(|(_, pixels)| *pixels > 0.0 && *pixels < MIN_FOCAL_PX);
     short.map_or(Ok(()), |(key, pixels)| {
         let expected =
             format!("a focal length in pixels, {MIN_FOCAL_PX} or more, as {key} of {place}");
