@@ -123,16 +123,24 @@ impl Dataset {
         })
     }
 
-    /// The pictures of a sequence in the order of time, where all are named by times; without pictures, the sweeps of the
-    /// first LiDAR.
+    /// The pictures of a sequence in the order of time, where no file of the sequence is named by a number; without pictures,
+    /// the sweeps of the first LiDAR.
     fn timeline(&self, sequence: &str) -> Option<Timeline> {
-        let pictures = Timeline::of(&self.images(sequence), &IMAGE_EXTENSIONS);
-        pictures.or_else(|| {
-            let sensors = file::list(&self.root.join(CLOUDS)).ok()?;
-            let has_pictures = unnumbered(&self.images(sequence), &IMAGE_EXTENSIONS).is_some();
-            let mut folders = sensors.iter().filter(|_| !has_pictures);
-            folders.find_map(|sensor| Timeline::of(&sensor.join(sequence), &CLOUD_EXTENSIONS))
-        })
+        let images = self.images(sequence);
+        let sensors = file::list(&self.root.join(CLOUDS)).unwrap_or_default();
+        let sweeps: Vec<PathBuf> = sensors.iter().map(|sensor| sensor.join(sequence)).collect();
+        let has_numbers = |folder: &Path, extensions: &[&str]| {
+            numbered(folder, extensions).is_ok_and(|numbers| !numbers.is_empty())
+        };
+        let has_numbers = has_numbers(&images, &IMAGE_EXTENSIONS)
+            || sweeps.iter().any(|folder| has_numbers(folder, &CLOUD_EXTENSIONS));
+        if has_numbers {
+            return None;
+        }
+        if unnumbered(&images, &IMAGE_EXTENSIONS).is_some() {
+            return Timeline::of(&images, &IMAGE_EXTENSIONS);
+        }
+        sweeps.iter().find_map(|folder| Timeline::of(folder, &CLOUD_EXTENSIONS))
     }
 
     /// A LiDAR's sweep nearest in time to a frame of a sequence whose files are named by times, or why there is none.
@@ -247,8 +255,9 @@ impl Dataset {
     pub fn image_path(&self, sequence: &str, frame: u32) -> Result<PathBuf, Error> {
         let folder = self.images(sequence);
         let by_time = || {
-            let timeline = Timeline::of(&folder, &IMAGE_EXTENSIONS)?;
-            timeline.get(frame).map(|(_, path)| path.to_path_buf())
+            let timeline = self.timeline(sequence)?;
+            let (_, path) = timeline.get(frame)?;
+            path.starts_with(&folder).then(|| path.to_path_buf())
         };
         find(&folder, frame, &IMAGE_EXTENSIONS).or_else(by_time).ok_or_else(|| Error::Absent {
             expected: format!("{frame:06}.{}", IMAGE_EXTENSIONS.join(", .")),

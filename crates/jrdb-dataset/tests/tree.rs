@@ -458,6 +458,11 @@ fn files_named_by_times_are_frames_in_their_order_and_sweeps_are_the_nearest() {
     assert_eq!(issues[0].kind, IssueKind::MissingInput);
     assert!(issues[0].message.contains("is 54.020 s apart"), "{issues:?}");
     let images = root.join("images/image_stitched").join(&sequence);
+    fs::rename(images.join("1550012345.500000000.png"), images.join("000000.png")).unwrap();
+    let (_, issues) = dataset.clouds(&sequence, 0, &lidars()[..1]);
+    let why = r#"000000.bin: no such file; the folder holds "1550012399.520000000.bin""#;
+    assert!(issues[0].message.ends_with(why), "numbers and times do not go together: {issues:?}");
+    fs::rename(images.join("000000.png"), images.join("1550012345.500000000.png")).unwrap();
     fs::write(images.join("start.png"), "").unwrap();
     let error = dataset.frames(&sequence).unwrap_err().to_string();
     assert!(error.contains("1550012345.500000000.png"), "{error}");
