@@ -84,7 +84,7 @@ fn kinds() -> [Kind; 8] {
         kind::<Detections>(&[], "jrdb perceive --out detections.json"),
         kind::<Entities>(&[], "jrdb project --detections detections.json --dataset ROOT"),
         kind::<SceneGraph>(&[(1, unchanged)], "jrdb graph --entities entities.json"),
-        kind::<Query>(&[], "jrdb parse {}"),
+        kind::<Query>(&[(2, without_dropped_words)], "jrdb parse {}"),
         kind::<Answer>(&[], "jrdb search --graph scene_graph.json --text {}"),
         kind::<Questions>(&[], "jrdb synth --out SCENE"),
         kind::<Scores>(&[], "jrdb evaluate --answers answer.json --questions questions.json"),
@@ -132,6 +132,14 @@ fn command(kind: &Kind, text: &str) -> String {
     let data = &artefact["data"];
     let question = data["text"].as_str().or_else(|| data["question"].as_str());
     kind.command.replace("{}", &format!("{:?}", question.unwrap_or("QUESTION")))
+}
+
+/// Version 2 of a query dropped the words that were not understood; version 3 keeps them as conditions.
+fn without_dropped_words(data: &Value) -> Option<Value> {
+    const DROPPED: [&str; 3] = ["unknown_word", "misplaced_word", "not_in_graph"];
+    let issues = data["issues"].as_array().map(Vec::as_slice).unwrap_or_default();
+    let is_dropped = |issue: &Value| issue["kind"].as_str().is_some_and(|k| DROPPED.contains(&k));
+    (!issues.iter().any(is_dropped)).then(|| data.clone())
 }
 
 /// Fields were added only.
@@ -190,6 +198,20 @@ mod tests {
         assert_eq!(rig.transforms[1].translation_m, [0.0, 0.0, 0.3]);
         assert!(rig.cameras[0].lens.image().wraps);
         assert_eq!(migrate(&text).unwrap(), Migrated::Present);
+    }
+
+    #[test]
+    fn a_query_that_dropped_words_is_read_again_and_others_are_kept() {
+        let query = |issues: Value| {
+            let target = json!({ "category": "person", "conditions": [] });
+            let data =
+                json!({ "text": "the nurse", "task": "find", "target": target, "issues": issues });
+            migrate(&artefact("jrdb.query", 2, &data))
+        };
+        assert!(matches!(query(json!([])).unwrap(), Migrated::Changed(_)));
+        let dropped = json!([{ "kind": "unknown_word", "message": "nurse" }]);
+        let error = query(dropped).unwrap_err().to_string();
+        assert!(error.ends_with("make it again with `jrdb parse \"the nurse\"`"), "{error}");
     }
 
     #[test]

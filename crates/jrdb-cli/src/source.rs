@@ -146,7 +146,7 @@ pub fn list_frames(
                     format!("expected every sequence once, found {sequence:?} in two sources");
                 return Err(Error::Usage(message));
             }
-            for frame in frames_of(&dataset, &sequence)? {
+            for frame in dataset.frames(&sequence)? {
                 if range.is_none_or(|range| range.contains(&frame)) {
                     let id = FrameId { sequence: sequence.clone(), frame };
                     let (dataset, robot) = (dataset.clone(), robot.clone());
@@ -166,19 +166,6 @@ pub fn list_frames(
 fn rig_doubts(rig: &Rig) -> Vec<Issue> {
     let doubts = jrdb_dataset::rig::doubts(rig).into_iter();
     doubts.map(|doubt| Issue::new(IssueKind::DoubtfulInput, format!("rig: {doubt}"))).collect()
-}
-
-/// The frames of a sequence; a name that the tree lacks is told with those that it has.
-fn frames_of(dataset: &Dataset, sequence: &str) -> Result<Vec<u32>, Error> {
-    match dataset.frames(sequence) {
-        Err(jrdb_dataset::Error::Absent { .. }) => {
-            let (known, root) = (dataset.sequences()?.join(", "), dataset.root());
-            let message =
-                format!("expected one of the sequences {known}, found {sequence:?}, in {root:?}");
-            Err(Error::Usage(message))
-        }
-        found => Ok(found?),
-    }
 }
 
 impl FrameSource {

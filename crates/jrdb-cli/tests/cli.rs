@@ -659,7 +659,7 @@ fn several_sequences_of_a_tree_are_answered_and_an_unknown_one_is_told_the_known
     contains(&ran.out, &["two-people/000000", "again/000000"]);
     let ran = jrdb(&[&run[..], &["--sequence", "two"]].concat());
     assert_eq!(ran.code, 2);
-    contains(&ran.err, &["expected one of the sequences again, two-people, found \"two\""]);
+    contains(&ran.err, &["of sequence \"two\", found the sequences", "two-people"]);
     let ran = jrdb(&[&run[..], &["--sequence", "../image_stitched/two-people"]].concat());
     assert_eq!(ran.code, 2);
     contains(&ran.err, &["expected a sequence name"]);

@@ -5,7 +5,7 @@ use std::path::Path;
 use jrdb_types::{Issue, IssueKind, PointCloud, with_causes};
 
 use crate::Error;
-use crate::cloud::{Fields, Reader, implausible};
+use crate::cloud::{Fields, Reader, implausible, is_coarse};
 
 /// Reads a LiDAR's file. What is odd about it are issues; when it cannot be used, that is the last of them.
 ///
@@ -29,6 +29,12 @@ pub(crate) fn read(
     };
     if let Some(why) = implausible(&cloud) {
         issues.push(issue(IssueKind::MissingInput, &why.to_string()));
+        return (None, issues);
+    }
+    if is_coarse(&cloud) {
+        let message = "all coordinates are whole numbers of metres, too coarse to place people: \
+                       write them with fractions (PCD: TYPE F)";
+        issues.push(issue(IssueKind::MissingInput, message));
         return (None, issues);
     }
     if cloud.skipped > 0 {

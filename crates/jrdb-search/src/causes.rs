@@ -95,13 +95,12 @@ impl Causes<'_, '_, '_> {
         let sees_anything = self.searcher.sees.categories.any(|_| true);
         if sees_anything && !self.searcher.sees.sees_category(&pattern.category) {
             let what = match &pattern.category {
-                Category::Person => "people",
-                Category::Object => "objects",
-                Category::Class(name) => name,
-                Category::Anything | Category::Robot => "anything",
+                Category::Person => "people".into(),
+                Category::Object => "objects".into(),
+                Category::Class(name) => format!("{name:?}"),
+                Category::Anything | Category::Robot => "anything".into(),
             };
-            let message =
-                format!("perception cannot see {what}: that none was found means nothing");
+            let message = format!("perception does not detect {what}: finding none is no evidence");
             self.add(CauseKind::Perception, message);
         }
         pattern.conditions.iter().for_each(|condition| self.condition(condition, perhaps));

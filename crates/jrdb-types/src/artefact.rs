@@ -30,7 +30,7 @@ pub struct Producer {
 /// use jrdb_types::{Artefact, Query};
 /// let artefact = Artefact::new(serde_json::json!({}), Query::default());
 /// let text = artefact.to_json();
-/// assert!(text.starts_with("{\n  \"schema\": \"jrdb.query\",\n  \"schema_version\": 2"));
+/// assert!(text.starts_with("{\n  \"schema\": \"jrdb.query\",\n  \"schema_version\": 3"));
 /// assert_eq!(Artefact::<Query>::from_json(&text).unwrap(), artefact);
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -24,6 +24,7 @@ pub use fields::Fields;
 pub use format::Format;
 pub use npy::NpyError;
 pub use pcd::PcdError;
+pub(crate) use plausible::is_coarse;
 pub use plausible::{Implausible, implausible};
 pub use ply::PlyError;
 pub use reader::{Reader, read};

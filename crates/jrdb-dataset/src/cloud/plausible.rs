@@ -49,6 +49,16 @@ pub fn implausible(cloud: &PointCloud) -> Option<Implausible> {
     (is_far || is_deep).then_some(Implausible { median_range_m, unit })
 }
 
+/// From so many points on, coordinates that are all whole numbers are no chance.
+const MIN_COARSE: usize = 100;
+
+/// Whether all coordinates are whole metres: too coarse to say where somebody stands.
+pub(crate) fn is_coarse(cloud: &PointCloud) -> bool {
+    let is_whole = |column: &[f32]| column.iter().all(|number| number.fract() == 0.0);
+    cloud.len() >= MIN_COARSE
+        && [&cloud.x, &cloud.y, &cloud.z].iter().all(|column| is_whole(column))
+}
+
 /// The number below which this part of the numbers is.
 fn quantile(numbers: impl Iterator<Item = f32>, part: f32) -> Option<f32> {
     let mut numbers: Vec<f32> = numbers.collect();
@@ -72,6 +82,17 @@ mod tests {
             cloud.z.push(scale * z);
         }
         cloud
+    }
+
+    #[test]
+    fn whole_metres_are_coarse_where_there_are_enough_of_them() {
+        let mut cloud = room(1.0);
+        assert!(!is_coarse(&cloud));
+        for column in [&mut cloud.x, &mut cloud.y, &mut cloud.z] {
+            column.iter_mut().for_each(|number| *number = number.round());
+        }
+        assert!(is_coarse(&cloud));
+        assert!(!is_coarse(&PointCloud::default()));
     }
 
     #[test]

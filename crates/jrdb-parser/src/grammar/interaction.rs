@@ -143,12 +143,24 @@ impl Parser<'_> {
         let partners =
             if self.is_object_at_hand() { self.partners_of(pattern) } else { Vec::new() };
         if partners.is_empty() {
-            let object = Pattern::of(Category::Object);
+            let object = self.unread_object();
             return push_related(pattern, vec![does(label)], object, Quantity::SOME);
         }
         for partner in partners {
             push_related(pattern, vec![does(label)], partner.pattern, partner.quantity);
         }
+    }
+
+    /// Any object; where unknown words name it, anything that they may mean.
+    fn unread_object(&mut self) -> Pattern {
+        const STRANGE: Roles = Roles::of(&[Role::Unknown, Role::Unsupported]);
+        let mut object = Pattern::of(Category::Object);
+        while self.roles().has_any(STRANGE) {
+            let named = self.unknown_entity();
+            object.category = named.category;
+            object.conditions.extend(named.conditions);
+        }
+        object
     }
 
     fn is_object_at_hand(&self) -> bool {

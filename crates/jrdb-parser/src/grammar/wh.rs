@@ -63,6 +63,10 @@ impl Parser<'_> {
         self.bump();
         let is_of = self.is(Role::Of);
         self.skip_while(Roles::of(&[Role::Of, Role::Filler]));
+        if is_of && self.is(Role::Him) {
+            // "which of them": of those that are seen.
+            self.eat_pronoun();
+        }
         while self.eat_unsupported() {}
         if self.is(Role::Asks) {
             return self.properties();
