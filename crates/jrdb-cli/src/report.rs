@@ -153,7 +153,7 @@ fn line(text: &mut String, words: &str) {
 }
 
 fn frame_text(text: &mut String, output: &FrameOutput, telling: &Telling) {
-    let FrameOutput { scene, answered } = output;
+    let FrameOutput { scene, answered, .. } = output;
     let nodes = &scene.graph().nodes;
     let people = nodes.iter().filter(|node| node.category == PERSON).count();
     let objects = nodes.len() - people;
@@ -177,7 +177,7 @@ fn frame_text(text: &mut String, output: &FrameOutput, telling: &Telling) {
 /// How many questions are answered as the truth says, and the others with what led to it.
 fn misses_text(
     text: &mut String,
-    FrameOutput { scene, answered }: &FrameOutput,
+    FrameOutput { scene, answered, .. }: &FrameOutput,
     telling: &Telling,
 ) {
     let verdict = |one: &Answered| one.score.as_ref().and_then(|score| score.exact);

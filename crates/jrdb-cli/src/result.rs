@@ -21,6 +21,8 @@ pub struct FrameOutput {
     pub scene: Scene,
     /// Its questions with their answers; those about time are the recording's.
     pub answered: Vec<Answered>,
+    /// Why its files could not be written; the frame then counts as failed, and its answers are there all the same.
+    pub unwritten: Option<Error>,
 }
 
 /// What a run came to, besides the frames.

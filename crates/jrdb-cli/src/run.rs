@@ -227,7 +227,7 @@ impl<'o> Run<'o> {
         let (scene, answers) = baseline::answer(&pipeline, self.read(frame), &queries)?;
         let answered = of_now.into_iter().zip(answers);
         let answered = answered.map(|(one, answer)| self.answered(one, answer)).collect();
-        self.written(frame, FrameOutput { scene, answered })
+        Ok(self.written(frame, scene, answered))
     }
 
     /// The detections of a frame that an earlier run into the same folder completed: models need not look again.
@@ -247,14 +247,16 @@ impl<'o> Run<'o> {
     ) -> Result<FrameOutput, Error> {
         let of_now = questions.iter().filter(|one| !one.speaks_of_time());
         let answered = of_now.map(|one| self.answered(one, scene.ask_query(&one.query))).collect();
-        self.written(frame, FrameOutput { scene, answered })
+        Ok(self.written(frame, scene, answered))
     }
 
-    fn written(&self, frame: &FrameSource, output: FrameOutput) -> Result<FrameOutput, Error> {
+    /// The output with what became of its files: answers are not lost with them.
+    fn written(&self, frame: &FrameSource, scene: Scene, answered: Vec<Answered>) -> FrameOutput {
+        let mut output = FrameOutput { scene, answered, unwritten: None };
         if let Some(writer) = &self.writer {
-            writer.frame(&output, &Inputs::of_frame(frame))?;
+            output.unwritten = writer.frame(&output, &Inputs::of_frame(frame)).err();
         }
-        Ok(output)
+        output
     }
 
     fn answered(&self, one: &ReadQuestion, answer: Answer) -> Answered {
@@ -310,13 +312,18 @@ impl<'r> Tally<'r> {
                     recording.push_graph_of(&output.scene);
                 }
                 output.answered.iter().for_each(|answered| self.keep(answered));
-                self.health.add(&FrameHealth::of(&output.scene));
+                match &output.unwritten {
+                    None => self.health.add(&FrameHealth::of(&output.scene)),
+                    Some(error) => self.fail(&result.id, error),
+                }
             }
-            Err(error) => {
-                self.health.add_failed();
-                self.failures.push((result.id.clone(), jrdb_types::with_causes(error)));
-            }
+            Err(error) => self.fail(&result.id, error),
         }
+    }
+
+    fn fail(&mut self, frame: &FrameId, error: &Error) {
+        self.health.add_failed();
+        self.failures.push((frame.clone(), jrdb_types::with_causes(error)));
     }
 
     /// Keeps what scores need: not the trace, which is most of an answer.
