@@ -75,6 +75,17 @@ impl DeviceValue for Tensor {
     }
 }
 
+/// Checks that an output holds numbers: a score that is not one would be taken for "nothing there". Negative infinity is
+/// the logarithm of 0 and is allowed.
+fn check_numbers(name: &str, data: &[f32]) -> Result<(), EngineError> {
+    let is_odd = |number: &&f32| number.is_nan() || **number == f32::INFINITY;
+    let found = data.iter().filter(is_odd).count();
+    if found == 0 {
+        return Ok(());
+    }
+    Err(EngineError::NotANumber { name: name.into(), found, of: data.len() })
+}
+
 /// A tensor in the memory of any engine, or of this process.
 #[derive(Debug)]
 pub struct DeviceTensor(Box<dyn DeviceValue>);
@@ -110,17 +121,23 @@ impl DeviceTensor {
     /// The tensor in the memory of this process, without a copy where the engine allows it.
     ///
     /// # Errors
-    /// As [`DeviceValue::to_tensor`].
+    /// As [`DeviceValue::to_tensor`]; [`EngineError::NotANumber`] when the model has computed nonsense.
     pub fn into_tensor(self, name: &str) -> Result<Tensor, EngineError> {
-        self.0.into_tensor(name)
+        let tensor = self.0.into_tensor(name)?;
+        if let Tensor::F32 { data, .. } = &tensor {
+            check_numbers(name, data)?;
+        }
+        Ok(tensor)
     }
 
     /// Shape and numbers, without a copy where the engine has them in one piece.
     ///
     /// # Errors
-    /// As [`DeviceValue::floats`].
+    /// As [`DeviceValue::floats`]; [`EngineError::NotANumber`] when the model has computed nonsense.
     pub fn floats(&self, name: &str) -> Result<(Vec<usize>, Cow<'_, [f32]>), EngineError> {
-        self.0.floats(name)
+        let (shape, data) = self.0.floats(name)?;
+        check_numbers(name, &data)?;
+        Ok((shape, data))
     }
 
     /// The given rows along the first axis, in this order; a row may occur several times.
@@ -181,6 +198,18 @@ impl<'a> Input<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_no_number_is_an_error_and_the_logarithm_of_zero_is_one() {
+        let read = |data: Vec<f32>| {
+            let tensor = Tensor::F32 { shape: vec![data.len()], data };
+            DeviceTensor::from(tensor).into_tensor("scores")
+        };
+        assert!(read(vec![0.5, f32::NEG_INFINITY]).is_ok());
+        let message = read(vec![0.5, f32::NAN, f32::INFINITY]).unwrap_err().to_string();
+        let wanted = "expected numbers in output \"scores\", found NaN or infinity in 2 of 3";
+        assert_eq!(message, wanted);
+    }
 
     #[test]
     fn rows_are_gathered_in_any_order_and_more_than_once() {

@@ -87,6 +87,16 @@ pub enum EngineError {
         #[source]
         source: Cause,
     },
+    /// An output holds NaN or infinity, as half-precision weights that overflow compute it.
+    #[error("expected numbers in output {name:?}, found NaN or infinity in {found} of {of}")]
+    NotANumber {
+        /// Name of the tensor.
+        name: String,
+        /// How many of its elements are no numbers.
+        found: usize,
+        /// How many elements it has.
+        of: usize,
+    },
     /// A tensor holds neither 32-bit floats nor integers, or has more axes than the engine returns.
     #[error("expected output {name:?} to hold 32-bit floats or integers on at most 6 axes")]
     Type {

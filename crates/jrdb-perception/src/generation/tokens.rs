@@ -22,7 +22,14 @@ impl Tokens {
     /// # Errors
     /// [`PerceptionError::Tokens`] if the text is not a tokenizer.
     pub fn from_json(text: &str) -> Result<Self, PerceptionError> {
-        guarded(|| tokenizers::Tokenizer::from_bytes(text)).map(Self)
+        let read = || {
+            let mut tokenizer = tokenizers::Tokenizer::from_bytes(text)?;
+            // A file keeps the settings of the batches that it was trained on; texts here stand alone.
+            tokenizer.with_padding(None);
+            tokenizer.with_truncation(None)?;
+            Ok(tokenizer)
+        };
+        guarded(read).map(Self)
     }
 
     /// The ids of a text, between the marks that the tokenizer puts around a whole input.

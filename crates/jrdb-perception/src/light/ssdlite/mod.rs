@@ -241,9 +241,11 @@ mod tests {
     }
 
     #[test]
-    fn a_code_beyond_all_numbers_is_no_box() {
+    fn a_code_that_is_no_number_is_an_error() {
         let code = [f32::NAN, 0.0, f32::INFINITY, 0.0];
-        assert_eq!(detect(Person { code, ..third() }, narrow()).unwrap().detections, []);
+        let error = detect(Person { code, ..third() }, narrow()).unwrap_err();
+        let message = jrdb_types::with_causes(&error);
+        assert!(message.contains("NaN or infinity"), "{message}");
     }
 
     #[test]
