@@ -1,7 +1,7 @@
 //! Boxes with categories, and detections numbered from them.
 
 use jrdb_types::detection::PERSON;
-use jrdb_types::{Attributes, Detection, EntityId, PixelBox};
+use jrdb_types::{Detection, EntityId, PixelBox};
 
 /// A box with the category of what it shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,19 +47,7 @@ pub(crate) fn numbered(mut found: Vec<CategoryBox>) -> Vec<Detection> {
     let detection = |CategoryBox { bbox, score, category }: CategoryBox| {
         number = if category == last { number + 1 } else { 1 };
         last.clone_from(&category);
-        Detection {
-            camera: None,
-            id: EntityId::new(&category, number),
-            category,
-            score,
-            bbox,
-            attributes: Attributes::default(),
-            interactions: Vec::new(),
-            group: None,
-            occlusion: None,
-            heading_rad: None,
-            box3d: None,
-        }
+        Detection::new(EntityId::new(&category, number), category, score, bbox)
     };
     let mut detections: Vec<Detection> = found.into_iter().map(detection).collect();
     detections.sort_by(|a, b| a.id.cmp(&b.id));

@@ -211,22 +211,11 @@ fn floor(cloud: &BaseCloud, config: &FloorConfig) -> Option<FloorPlane> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use jrdb_types::{Attributes, Detection, EntityId, FrameId, ImageGeometry, PixelBox};
+    use jrdb_types::{FrameId, ImageGeometry, PixelBox};
 
     fn detection(number: u32, score: f64) -> Detection {
-        Detection {
-            camera: None,
-            id: EntityId::new("person", number),
-            category: "person".into(),
-            score,
-            bbox: PixelBox::from([0.0, 0.0, 5.0, 5.0]),
-            attributes: Attributes::default(),
-            interactions: Vec::new(),
-            group: None,
-            occlusion: None,
-            heading_rad: None,
-            box3d: None,
-        }
+        let bbox = PixelBox::from([0.0, 0.0, 5.0, 5.0]);
+        Detection::new(EntityId::new("person", number), "person", score, bbox)
     }
 
     #[test]

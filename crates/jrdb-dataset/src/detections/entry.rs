@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use jrdb_types::{
-    Attributes, Detection, Detections, EntityId, FrameId, ImageGeometry, Issue, IssueKind, PixelBox,
+    Detection, Detections, EntityId, FrameId, ImageGeometry, Issue, IssueKind, PixelBox,
 };
 
 use super::convention::{Convention, in_pixels};
@@ -83,7 +83,8 @@ fn of_frame(
         .map(|(bbox, entry)| {
             let number: &mut u32 = numbers.entry(entry.category.clone()).or_default();
             *number += 1;
-            detection(EntityId::new(&entry.category, *number), bbox, entry.score)
+            let id = EntityId::new(&entry.category, *number);
+            Detection::new(id, entry.category, entry.score, bbox)
         })
         .collect();
     detections.sort_by(|a, b| a.id.cmp(&b.id));
@@ -106,20 +107,4 @@ fn from_left(a: &PixelBox, b: &PixelBox) -> Ordering {
         .map(|(a, b)| a.total_cmp(&b))
         .find(|order| order.is_ne())
         .unwrap_or(Ordering::Equal)
-}
-
-fn detection(id: EntityId, bbox: PixelBox, score: f64) -> Detection {
-    Detection {
-        camera: None,
-        category: id.class.clone(),
-        id,
-        score,
-        bbox,
-        attributes: Attributes::default(),
-        interactions: Vec::new(),
-        group: None,
-        occlusion: None,
-        heading_rad: None,
-        box3d: None,
-    }
 }
