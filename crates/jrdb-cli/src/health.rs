@@ -144,7 +144,10 @@ impl Health {
         let causes: Vec<String> = causes.collect();
         let causes =
             if causes.is_empty() { String::new() } else { format!(" ({})", causes.join(", ")) };
-        Some(format!("{frames} frames: {good} good, {degraded} degraded{causes}, {failed} failed"))
+        let plural = if *frames == 1 { "" } else { "s" };
+        Some(format!(
+            "{frames} frame{plural}: {good} good, {degraded} degraded{causes}, {failed} failed"
+        ))
     }
 }
 

@@ -79,7 +79,7 @@ pub struct JsonReport {
 /// How results for programs are laid out.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum JsonForm {
-    /// One document: `{"answers": [..], "frames": [..], "failures": [..], "summary": {..}, "scores": ..}`.
+    /// One document: `{"answers": [..], "frames": [..], "failures": [..], "unasked": 0, "summary": {..}, "scores": ..}`.
     Document,
     /// A line for each answer, and a last line with the same document without its answers.
     Lines,
@@ -127,6 +127,7 @@ impl JsonReport {
         let rest = [
             ("frames", json!(self.frames)),
             ("failures", json!(failures)),
+            ("unasked", json!(summary.unasked)),
             ("summary", json!(summary.health)),
             ("scores", json!(scores)),
         ];
