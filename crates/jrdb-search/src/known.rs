@@ -118,10 +118,9 @@ impl Searcher<'_, '_> {
         let kind = self.kind(&pattern.category).into_owned();
         let attributes = pattern.conditions.iter().filter(|c| !c.is_relation());
         let attributes: Vec<Known> = attributes.map(|c| self.known(c, &kind)).collect();
+        let mut yes = self.enough_of(&kind, attributes.iter(), |known| Cow::Borrowed(&known.yes));
         let possible = |known: &Known| Cow::Owned(known.possible(&kind));
-        let mut yes =
-            self.enough_of(&kind, attributes.iter().map(|known| Cow::Borrowed(&known.yes)));
-        let mut maybe = self.enough_of(&kind, attributes.iter().map(possible));
+        let mut maybe = self.enough_of(&kind, attributes.iter(), possible);
         for relation in pattern.conditions.iter().filter(|c| c.is_relation()) {
             let known = self.known(relation, &maybe);
             yes.intersect(&known.yes);

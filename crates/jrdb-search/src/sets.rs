@@ -67,27 +67,24 @@ impl<'i> Searcher<'i, '_> {
     fn enough(&self, pattern: &Pattern) -> BitSet {
         let kind = self.kind(&pattern.category);
         let attributes = pattern.conditions.iter().filter(|c| !c.is_relation());
-        self.enough_of(&kind, attributes.map(|condition| self.yes(condition, &kind)))
+        self.enough_of(&kind, attributes, |condition| self.yes(condition, &kind))
     }
 
-    /// Those of a kind that are in all of some sets, or in more than half of them.
-    pub(crate) fn enough_of<'s>(
+    /// Those of a kind that have all of some attributes, or more than half; a function tells who has one.
+    pub(crate) fn enough_of<'s, T>(
         &self,
         kind: &BitSet,
-        mut sets: impl Iterator<Item = Cow<'s, BitSet>>,
+        attributes: impl Iterator<Item = T> + Clone,
+        having: impl Fn(T) -> Cow<'s, BitSet>,
     ) -> BitSet {
         let mut found = kind.clone();
-        if self.config.policy == MatchPolicy::Strict {
-            sets.for_each(|set| found.intersect(&set));
-            return found;
+        // More than half of two are all.
+        if self.config.policy == MatchPolicy::Strict || attributes.clone().nth(2).is_none() {
+            attributes.for_each(|attribute| found.intersect(&having(attribute)));
+        } else {
+            let sets: Sets<'_> = attributes.map(having).collect();
+            more_than_half(&mut found, &sets);
         }
-        let first: Sets<'_> = sets.by_ref().take(2).collect();
-        let Some(third) = sets.next() else {
-            first.iter().for_each(|set| found.intersect(set));
-            return found;
-        };
-        let sets: Sets<'_> = first.into_iter().chain([third]).chain(sets).collect();
-        more_than_half(&mut found, &sets);
         found
     }
 
