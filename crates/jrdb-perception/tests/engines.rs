@@ -118,9 +118,9 @@ fn rten_tells_of_integers_beyond_32_bits() {
 fn garbage_is_no_model() {
     let cut = &TINY[..TINY.len() / 2];
     for bytes in [b"".as_slice(), b"garbage, not a model", cut] {
-        let error = RtenEngine::from_onnx(bytes).unwrap_err();
-        assert_eq!(error.to_string(), "rten cannot load the model");
-        assert!(error.source().is_some());
+        let error = RtenEngine::from_onnx(bytes).unwrap_err().to_string();
+        let found = format!("expected an ONNX model, found a file of {} bytes", bytes.len());
+        assert!(error.starts_with(&found), "{error}");
         if let Some(library) = onnxruntime::find() {
             let error = OrtEngine::from_onnx(&library, bytes, 1).unwrap_err();
             assert_eq!(error.to_string(), "onnxruntime cannot load the model");

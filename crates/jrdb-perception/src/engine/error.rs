@@ -27,7 +27,7 @@ pub enum EngineError {
         /// The library that was requested.
         asked: PathBuf,
     },
-    /// The bytes are not an ONNX model, or use an operator that the engine does not support.
+    /// The model uses an operator that the engine does not support, or its parts do not fit.
     #[error("{engine} cannot load the model")]
     Model {
         /// Name of the engine.
@@ -35,6 +35,12 @@ pub enum EngineError {
         /// The error of the engine.
         #[source]
         source: Cause,
+    },
+    /// The file is no ONNX model, or not a complete one.
+    #[error("{found}")]
+    Broken {
+        /// Where it stops being one.
+        found: String,
     },
     /// The file asks for more memory than a model needs.
     #[error("{found}")]

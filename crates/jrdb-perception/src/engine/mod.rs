@@ -8,6 +8,7 @@ mod device_tensor;
 mod error;
 mod interface;
 mod onnx_limits;
+mod onnx_structure;
 mod onnx_wire;
 #[cfg(feature = "ort")]
 mod ort;

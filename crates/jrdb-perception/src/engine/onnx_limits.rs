@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, Seek};
 
 use super::error::EngineError;
+use super::onnx_structure::check_structure;
 use super::onnx_wire::{Source, Value, Wire};
 
 /// Most elements of a tensor of the file or of an input. The largest table of words in use has 0.3 thousand million.
@@ -23,19 +24,22 @@ const FLOAT: u64 = 1;
 const INT32: u64 = 6;
 const INT64: u64 = 7;
 
-/// Checks an ONNX file of so many bytes before an engine loads it.
+/// Checks an ONNX file of so many bytes before an engine loads it. Reads the file from its
+/// beginning, twice.
 ///
 /// # Errors
-/// [`EngineError::TooLarge`] when a tensor states a shape of too many elements, or a constant makes an operator's
-/// output too large. What is no ONNX file passes: the engine says what is wrong with it.
-pub fn check_onnx(source: impl Read + Seek, bytes: u64) -> Result<(), EngineError> {
+/// [`EngineError::Broken`] when the file is no ONNX model or breaks off.
+/// [`EngineError::TooLarge`] when a tensor states a shape of too many elements, or a constant
+/// makes an operator's output too large.
+pub fn check_onnx(mut source: impl Read + Seek, bytes: u64) -> Result<(), EngineError> {
+    check_structure(&mut source, bytes).map_err(|found| EngineError::Broken { found })?;
+    source.rewind().map_err(|error| EngineError::Broken { found: error.to_string() })?;
     check(source, bytes).map_err(|found| EngineError::TooLarge { found })
 }
 
-/// What is no ONNX file passes: the engine says what is wrong with it.
 fn check(source: impl Source, bytes: u64) -> Result<(), String> {
     let mut scan = Scan { wire: Wire::new(source), too_large: None };
-    // A file that breaks off is the engine's to report.
+    // The structure has been checked, so reading only ends early when the disk fails.
     let _ = scan.model(bytes);
     scan.too_large.map_or(Ok(()), Err)
 }
@@ -339,9 +343,31 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_model_passes() {
-        for junk in [&b""[..], b"\xff\xff\xff\xff", b"hello, world", &[0x3a, 0xff, 0x01]] {
-            assert_eq!(check(Cursor::new(junk), junk.len() as u64), Ok(()));
+    fn what_is_no_model_is_refused_where_it_breaks() {
+        for (junk, at) in [
+            (&b""[..], "byte 0"),
+            (b"\xff\xff\xff\xff", "byte 4"),
+            (b"hello, world", "byte 3"),
+            (&[0x3a, 0xff, 0x01], "byte 3"),
+        ] {
+            let error = check_onnx(Cursor::new(junk), junk.len() as u64).unwrap_err();
+            assert!(error.to_string().ends_with(&format!("{at} on")), "{error}");
+        }
+    }
+
+    #[test]
+    fn integers_that_never_end_are_refused_wherever_an_engine_reads_them() {
+        let endless = [0xff; 12];
+        let graphs = [
+            bytes(5, &bytes(7, &endless)),
+            bytes(5, &bytes(13, &endless)),
+            bytes(1, &bytes(5, &bytes(5, &bytes(5, &endless)))),
+            bytes(12, &bytes(2, &bytes(4, &bytes(1, &bytes(1, &bytes(2, &endless)))))),
+        ];
+        for graph in graphs {
+            let model = bytes(7, &graph);
+            let checked = check_onnx(Cursor::new(&model), model.len() as u64);
+            assert!(matches!(checked, Err(EngineError::Broken { .. })), "{graph:?}");
         }
     }
 }

@@ -71,6 +71,19 @@ impl<S: Source> Wire<S> {
         }
     }
 
+    /// Bytes from the beginning of the file.
+    pub(super) fn position(&self) -> u64 {
+        self.at
+    }
+
+    /// Reads packed integers up to `end` and forgets them.
+    pub(super) fn pass_integers(&mut self, end: u64) -> io::Result<()> {
+        while self.at < end {
+            self.varint()?;
+        }
+        Ok(())
+    }
+
     /// The text up to `end`, or its beginning.
     pub(super) fn text(&mut self, end: u64) -> io::Result<String> {
         let bytes = self.bytes(end, TEXT_MAX)?;

@@ -35,18 +35,19 @@ impl RtenEngine {
     /// Reads an ONNX model.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the bytes are not an ONNX model or use an operator unknown to
-    /// rten.
+    /// The errors of [`check_onnx`]; [`EngineError::Model`] if the model uses an operator unknown
+    /// to rten.
     pub fn from_onnx(bytes: &[u8]) -> Result<Self, EngineError> {
         check_onnx(Cursor::new(bytes), bytes.len() as u64)?;
         Self::load(|| Model::load(bytes.to_vec()))
     }
 
-    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. Whether the file asks for too much
-    /// memory is to be checked before, with [`check_onnx`].
+    /// Reads an ONNX model from a file, and weights that it keeps in files beside it. The file is to
+    /// be checked before, with [`check_onnx`]: rten reads some broken files forever.
     ///
     /// # Errors
-    /// [`EngineError::Model`] if the file is not an ONNX model or uses an operator unknown to rten.
+    /// [`EngineError::Model`] if the file is not an ONNX model or uses an operator unknown to
+    /// rten.
     pub fn from_file(path: &Path) -> Result<Self, EngineError> {
         Self::load(|| Model::load_file(path))
     }
