@@ -228,6 +228,7 @@ fn question(truth: &SceneGraph, query: &Query, category: &str) -> Question {
     let nodes = truth.nodes.iter().filter(|node| ids.contains(&node.id));
     let boxes = nodes.map(|node| node.bbox).collect();
     Question {
+        id: None,
         text: String::new(),
         category: category.into(),
         frame: truth.frame.clone(),

@@ -22,6 +22,8 @@ const INPUTS_FILE: &str = "inputs.json";
 /// Hexadecimal digits of a question's digest in the name of its folder: two of a million questions
 /// agree in one of a hundred thousand cases.
 const DIGEST_DIGITS: usize = 14;
+/// Longest id of a question that becomes part of its folder's name.
+const ID_MAX: usize = 64;
 
 /// Where the files of a frame are: `SEQUENCE/000012`.
 fn frame_folder(root: &Path, frame: &FrameId) -> PathBuf {
@@ -30,10 +32,20 @@ fn frame_folder(root: &Path, frame: &FrameId) -> PathBuf {
 
 /// Name of the folder of a question's files: it depends on the question alone.
 fn question_folder(question: &Question) -> String {
+    if let Some(id) = question.id.as_ref().filter(|id| is_file_name(id)) {
+        return format!("q-{id}");
+    }
     let slots =
         if question.slots.is_empty() { String::new() } else { json!(question.slots).to_string() };
     let digest = sha256_hex(format!("{}\n{slots}", question.text).as_bytes());
     format!("q{}", &digest[..DIGEST_DIGITS])
+}
+
+/// Whether an id can be part of a file's name on every system.
+fn is_file_name(id: &str) -> bool {
+    let is_plain =
+        |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || b"-_".contains(&byte);
+    (1..=ID_MAX).contains(&id.len()) && id.bytes().all(is_plain)
 }
 
 /// The folders of a frame's questions. A question that is asked again has a number behind its name.
@@ -217,8 +229,7 @@ mod tests {
 
     fn asked(text: &str) -> Question {
         let frame = FrameId { sequence: "cafe".into(), frame: 12 };
-        let (category, slots, truth) = (String::new(), Vec::new(), None);
-        Question { text: text.into(), category, frame, slots, truth }
+        Question::typed(text, frame)
     }
 
     #[test]

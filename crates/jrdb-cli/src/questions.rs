@@ -111,12 +111,7 @@ impl FrameQuestions {
 }
 
 fn typed_question(query: &Arc<Query>, frame: &FrameId) -> ReadQuestion {
-    let question = Question {
-        text: query.text.clone(),
-        category: TYPED.into(),
-        frame: frame.clone(),
-        slots: Vec::new(),
-        truth: None,
-    };
+    let category = TYPED.into();
+    let question = Question { category, ..Question::typed(&*query.text, frame.clone()) };
     ReadQuestion { question, query: query.clone() }
 }

@@ -261,6 +261,7 @@ impl<'o> Run<'o> {
 
     fn answered(&self, one: &ReadQuestion, answer: Answer) -> Answered {
         let ReadQuestion { question, query } = one.clone();
+        let answer = Answer { question_id: question.id.clone(), ..answer };
         let outcome = Outcome { question: &question, answer: &answer };
         let score = jrdb_metrics::score(outcome, &self.metrics);
         Answered { question, query, answer, score }

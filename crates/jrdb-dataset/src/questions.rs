@@ -34,12 +34,31 @@ const ATTRIBUTES: [(&str, &str); 9] = [
 
 #[derive(Deserialize)]
 struct DataPoint {
+    #[serde(default, alias = "id")]
+    question_id: Option<Name>,
     category: Option<String>,
     task_type: String,
     data: Data<String>,
     question: Asked,
     #[serde(default)]
     labels: BTreeMap<String, serde_json::Value>,
+}
+
+/// A name, or a number that is one.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Name {
+    Text(String),
+    Number(i64),
+}
+
+impl Name {
+    fn into_text(self) -> String {
+        match self {
+            Self::Text(text) => text,
+            Self::Number(number) => number.to_string(),
+        }
+    }
 }
 
 #[derive(Serialize, Deserialize)]
@@ -97,8 +116,10 @@ const VIDEO: &str = "video";
 ///
 /// The known answer is `final_ID` (without its `h_`), `final_bbox` and, in `VQA`, `final_answer` of
 /// `labels.slot1`. A `VQA` question whose answer is not a number is kept without a known answer. Of a
-/// recording, the answer of the first slot is known, as the benchmark scores it. The category is the key `category` of our own where it is there; else the attributes asked, named as the
-/// benchmark does (`gender-age-race-HHG`); else `uncategorised`.
+/// recording, the answer of the first slot is known, as the benchmark scores it. The category is the
+/// key `category` of our own where it is there; else the attributes asked, named as the benchmark
+/// does (`gender-age-race-HHG`); else `uncategorised`. The id is the key `question_id` or `id` of our
+/// own.
 ///
 /// # Errors
 /// [`Error::Read`], [`Error::Json`], or [`Error::Content`] for a question about something else or of another task,
@@ -140,7 +161,8 @@ fn question(point: DataPoint) -> Result<Question, Mismatch> {
         None => None,
     };
     let category = point.category.unwrap_or_else(|| derived_category(&point.question));
-    Ok(Question { text: point.question.question, category, frame, slots, truth })
+    let id = point.question_id.map(Name::into_text);
+    Ok(Question { id, text: point.question.question, category, frame, slots, truth })
 }
 
 /// Numbers of the frames of each slot; there is at least one slot, and one frame in each.
@@ -218,6 +240,8 @@ fn derived_category(asked: &Asked) -> String {
 
 #[derive(Serialize)]
 struct DataPointOut<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    question_id: Option<&'a str>,
     category: &'a str,
     task_type: &'static str,
     r#type: &'static str,
@@ -287,6 +311,7 @@ fn data_point(question: &Question) -> DataPointOut<'_> {
     });
     let counts = question.truth.as_ref().is_some_and(|truth| truth.count.is_some());
     DataPointOut {
+        question_id: question.id.as_deref(),
         category: &question.category,
         task_type: if counts { "VQA" } else { "VG" },
         r#type: "human",

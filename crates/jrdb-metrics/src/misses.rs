@@ -20,6 +20,7 @@ use crate::{MetricsConfig, Outcome};
 /// let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
 /// let truth = Truth { ids: vec![], boxes: vec![bbox], count: None };
 /// let question = Question {
+///     id: None,
 ///     text: "Find all men".into(), category: "gender".into(), frame, slots: vec![], truth: Some(truth),
 /// };
 /// let outcome = Outcome { question: &question, answer: &nobody };
@@ -81,6 +82,7 @@ mod tests {
         answer.selection = selected.iter().map(|&number| id(number)).collect();
         let boxes = true_boxes.iter().map(|&x| at(x)).collect();
         let question = Question {
+            id: None,
             text: "Find them".into(),
             category: "any".into(),
             frame,

@@ -60,7 +60,7 @@ pub struct Outcome<'a> {
 /// # let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
 /// # let frame = FrameId { sequence: "cafe".into(), frame: 0 };
 /// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], count: None };
-/// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), slots: vec![], truth: Some(truth) };
+/// # let question = Question { id: None, text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), slots: vec![], truth: Some(truth) };
 /// # let query = Query { text: "Find all men".into(), ..Query::default() };
 /// # let answer = Answer::new(frame, &query, MatchPolicy::Ranked, LateralConvention::Physical);
 /// # let ranking = vec![Ranked { id: id.clone(), bbox, probability: 0.9 }];
@@ -248,6 +248,7 @@ mod tests {
         let ids = numbers.iter().map(|&n| id(n)).collect();
         let boxes = numbers.iter().map(|&n| at(f64::from(n) * 100.0)).collect();
         Question {
+            id: None,
             text: "Find them".into(),
             category: category.into(),
             frame: FrameId::default(),

@@ -50,6 +50,7 @@ pub(super) fn questions(labels: &Detections, seed: u64) -> Vec<Question> {
             *count += 1;
             let (category, frame) = (sentence.category.into(), labels.frame.clone());
             questions.push(Question {
+                id: None,
                 text,
                 category,
                 frame,

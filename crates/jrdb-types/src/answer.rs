@@ -114,6 +114,9 @@ pub struct Answer {
     pub frame: FrameId,
     /// The question's words.
     pub question: String,
+    /// The question's name in its file, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub question_id: Option<String>,
     /// What was asked.
     pub task: Task,
     /// How many of the asked attributes were demanded.
@@ -163,6 +166,7 @@ impl Answer {
         Self {
             frame,
             question: query.text.clone(),
+            question_id: None,
             task: query.task.clone(),
             policy,
             lateral,

@@ -24,6 +24,9 @@ pub struct Truth {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Question {
+    /// Its name in its file, by which answers of other programs refer to it, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub id: Option<String>,
     /// The words.
     pub text: String,
     /// The benchmark's category, for example `gender-age-race-HHG`; scores are averaged by it.
@@ -44,7 +47,7 @@ impl Question {
     #[must_use]
     pub fn typed(text: impl Into<String>, frame: FrameId) -> Self {
         let (category, slots) = (String::new(), Vec::new());
-        Self { text: text.into(), category, frame, slots, truth: None }
+        Self { id: None, text: text.into(), category, frame, slots, truth: None }
     }
 }
 
