@@ -22,7 +22,7 @@ pub use issue::{notes, query_issue};
 pub use property::property_value;
 pub use query::query;
 pub use reply::headline;
-pub use scores::{scores, truth};
+pub use scores::{intervals, scores, truth};
 pub use why_not::{miss, why_not};
 pub use wording::{condition, pattern};
 pub use words::with_words;
