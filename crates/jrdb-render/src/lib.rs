@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod brief;
+mod budget;
 pub mod calibration;
 mod change;
 mod check;
@@ -16,6 +17,7 @@ mod wording;
 mod words;
 
 pub use brief::{brief, ids};
+pub use budget::{budget, confusion, reliability};
 pub use change::change;
 pub use check::{asked, found};
 pub use comparison::{comparison, distinguishable};
