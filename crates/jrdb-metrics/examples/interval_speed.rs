@@ -1,5 +1,5 @@
 //! How long intervals, a comparison and merging take:
-//! `cargo run --release -p jrdb-metrics --example interval_speed [QUESTIONS] [RECORDINGS]`.
+//! `cargo run --release -p jrdb-metrics --example interval_speed [QUESTIONS] [RECORDINGS] [DRAWS]`.
 #![allow(clippy::print_stdout, reason = "an example says what it found")]
 
 use std::time::Instant;
@@ -16,11 +16,12 @@ const PARTS: usize = 100;
 fn main() {
     let mut numbers = std::env::args().skip(1).map_while(|number| number.parse().ok());
     let (questions, recordings) = (numbers.next().unwrap_or(10_000), numbers.next().unwrap_or(27));
-    let config = BootstrapConfig::default();
+    let mut config = BootstrapConfig::default();
+    config.draws = numbers.next().unwrap_or(config.draws);
     let runs = [run(questions, recordings, 3), run(questions, recordings, 4)];
     let count = runs[0].questions.len();
     println!("{count} questions, {recordings} recordings, {} draws", config.draws);
-    time("intervals of 13 metrics, 8 groups", || intervals(&runs[0], &config));
+    time("intervals of 12 metrics, 8 groups", || intervals(&runs[0], &config));
     time("comparison of 12 metrics, 8 groups", || compare(&runs[0], &runs[1], &config).is_ok());
     let protocol = &runs[0].protocol;
     let part = |some: &[QuestionScore]| from_judgements(protocol.clone(), some.to_vec());

@@ -108,13 +108,14 @@ fn differences(a: &Side<'_>, b: &Side<'_>, config: &BootstrapConfig) -> Vec<Diff
         let (in_a, in_b) = (metric.of(&a.summary)?, metric.of(&b.summary)?);
         let Sureness { interval, recordings, warning } =
             a.recordings.sureness_of_difference(&b.recordings, metric, config);
-        Some(Difference {
+        let contains_zero = interval.map(|interval| interval.contains(0.0));
+        (recordings > 0).then_some(Difference {
             metric,
             a: in_a,
             b: in_b,
             difference: in_b - in_a,
             interval,
-            contains_zero: interval.map(|interval| interval.contains(0.0)),
+            contains_zero,
             recordings,
             warning,
         })
@@ -238,6 +239,14 @@ mod tests {
     fn a_gain_in_nearly_every_recording_is_distinguishable() {
         let difference = exact(&compared(&run(|n| n % 4 == 0), &run(|n| n % 7 != 0)).overall);
         assert!(difference.difference > 0.5 && difference.contains_zero == Some(false));
+    }
+
+    #[test]
+    fn where_one_run_has_no_value_there_is_no_interval() {
+        let difference = compared(&run(|_| false), &run(|_| true)).overall;
+        let matched = difference.iter().find(|one| one.metric == Metric::MiouMatched).unwrap();
+        assert_eq!((matched.interval, matched.contains_zero), (None, None));
+        assert_eq!(matched.warning, Some(IntervalWarning::NoValue));
     }
 
     #[test]

@@ -28,6 +28,7 @@ pub(crate) struct Recordings<'a> {
 /// How sure a metric, or a difference, is.
 pub(crate) struct Sureness {
     pub(crate) interval: Option<Interval>,
+    /// How many recordings tell it; where none does, it has no value.
     pub(crate) recordings: usize,
     pub(crate) warning: Option<IntervalWarning>,
 }
@@ -96,7 +97,8 @@ impl<'a> Recordings<'a> {
 impl Sureness {
     fn new(interval: Option<Interval>, recordings: usize) -> Self {
         let warning = match recordings {
-            _ if interval.is_none() => Some(IntervalWarning::OneRecording),
+            1 => Some(IntervalWarning::OneRecording),
+            _ if interval.is_none() => Some(IntervalWarning::NoValue),
             0..FEW_RECORDINGS => Some(IntervalWarning::FewRecordings),
             _ => None,
         };

@@ -112,6 +112,7 @@ pub(crate) fn warning(warning: Option<IntervalWarning>, recordings: usize) -> St
     match warning {
         None => String::new(),
         Some(IntervalWarning::OneRecording) => "no interval: one recording".into(),
+        Some(IntervalWarning::NoValue) => "no interval: no value".into(),
         Some(_) => format!("  only {recordings} recordings"),
     }
 }

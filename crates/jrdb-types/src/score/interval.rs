@@ -27,8 +27,10 @@ pub enum IntervalMethod {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum IntervalWarning {
-    /// There is one recording only, or only one that tells the metric: no interval.
+    /// One recording tells the metric: no interval.
     OneRecording,
+    /// Nothing tells the metric in a run, or in all but one of its recordings: no interval.
+    NoValue,
     /// There are fewer than ten recordings: the interval may be too narrow.
     FewRecordings,
 }
