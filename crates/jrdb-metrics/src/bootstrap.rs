@@ -1,21 +1,21 @@
 //! Intervals of ratios by the studentised bootstrap over recordings.
 //!
-//! Frames of a recording are not independent, so recordings are what is drawn, with replacement. The
-//! standard error of a ratio of sums over recordings is that of its linearisation (Cochran, "Sampling
-//! Techniques", 3rd edition 1977, section 6.3):
+//! Frames of a recording are not independent, so recordings are what is drawn, with replacement.
+//! The standard error of a ratio of sums over recordings is that of its linearisation (Cochran,
+//! "Sampling Techniques", 3rd edition 1977, section 6.3):
 //!
 //! ```text
 //! θ = Σ pᵣ / Σ wᵣ     se² = R/(R−1) · Σ (pᵣ − θ wᵣ)² / (Σ wᵣ)²
 //! ```
 //!
-//! Every draw b gives t_b = (θ_b − θ) / se_b, and the interval is θ − t·se at the 97.5 % and 2.5 % quantile
-//! of the t_b (Efron and Tibshirani, "An Introduction to the Bootstrap", 1993, section 12.5). Percentile
-//! intervals are too narrow with as few recordings as there are. A difference of two methods is drawn as
-//! one: both lose and gain the same recordings.
+//! Every draw b gives t_b = (θ_b − θ) / se_b, and the interval is θ − t·se at the 97.5 % and 2.5 %
+//! quantile of the t_b (Efron and Tibshirani, "An Introduction to the Bootstrap", 1993, section
+//! 12.5). Percentile intervals are too narrow with as few recordings as there are. A difference of
+//! two methods is drawn as one: both lose and gain the same recordings.
 //!
-//! In 8,000 simulated studies (the test `coverage`) 94.0 to 94.2 % of these intervals hold the truth with
-//! 27 recordings of very unequal length, 93 % with 10, and 89 % of Student's with 5. Where nearly all
-//! recordings are at the top of the scale, 90 to 91 % do with 27.
+//! In 8,000 simulated studies (the test `coverage`) 94.0 to 94.2 % of these intervals hold the
+//! truth with 27 recordings of very unequal length, 93 % with 10, and 89 % of Student's with 5.
+//! Where nearly all recordings are at the top of the scale, 90 to 91 % do with 27.
 
 use jrdb_types::score::{Interval, IntervalMethod};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,8 @@ pub struct BootstrapConfig {
 }
 
 impl Default for BootstrapConfig {
-    /// 10,000 draws: the ends of an interval vary by about a hundredth of its width from seed to seed.
+    /// 10,000 draws: the ends of an interval vary by about a hundredth of its width from seed to
+    /// seed.
     fn default() -> Self {
         Self { draws: 10_000, seed: 1 }
     }
@@ -89,7 +90,8 @@ impl Contrast {
         self.plus.len()
     }
 
-    /// The value when each recording counts as often as its weight says; `None` without a denominator.
+    /// The value when each recording counts as often as its weight says; `None` without a
+    /// denominator.
     fn weighted(&self, weights: &[f64]) -> Option<Value> {
         let plus = Linear::new(&self.plus, weights)?;
         let Some(all_minus) = &self.minus else {

@@ -32,18 +32,20 @@ pub enum BudgetError {
 
 /// Splits the gap between a run and one that is given all parts of the truth.
 ///
-/// `values[mask]` is the metric of the run that is given the parts whose bits are set in `mask`, bit 0 for
-/// the first. The shares are Shapley's (Shapley, "A value for n-person games", 1953): with n parts,
+/// `values[mask]` is the metric of the run that is given the parts whose bits are set in `mask`,
+/// bit 0 for the first. The shares are Shapley's (Shapley, "A value for n-person games", 1953):
+/// with n parts,
 ///
 /// ```text
 /// φ_i = Σ over S without i of |S|! (n−|S|−1)! / n! · (v(S ∪ i) − v(S))
 /// ```
 ///
-/// They add up to the gap whatever the parts have to do with each other; the gains of one part at a time
-/// do not.
+/// They add up to the gap whatever the parts have to do with each other; the gains of one part at a
+/// time do not.
 ///
 /// # Errors
-/// [`BudgetError`], with more than [`TRUTHS_MAX`] parts, or without one finite value for each subset.
+/// [`BudgetError`], with more than [`TRUTHS_MAX`] parts, or without one finite value for each
+/// subset.
 ///
 /// ```
 /// let truths = ["attributes", "position"].map(String::from);

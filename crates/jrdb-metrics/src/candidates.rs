@@ -8,8 +8,8 @@ use crate::coco::iou_thresholds;
 /// So many candidates of a question count, as in COCO.
 const COCO_LIMIT: usize = 100;
 
-/// The best candidates, best first, with their matches. Each, best first, takes the free true box of
-/// highest IoU (the last on ties, as COCO's evaluator does) if that reaches the threshold.
+/// The best candidates, best first, with their matches. Each, best first, takes the free true box
+/// of highest IoU (the last on ties, as COCO's evaluator does) if that reaches the threshold.
 pub(crate) fn judged(
     truth: &[PixelBox],
     mut found: Vec<(PixelBox, f64)>,
@@ -40,8 +40,8 @@ fn matches(ious: &[Vec<f64>], truths: usize, min_iou: f64) -> Vec<bool> {
     ious.iter().map(take).collect()
 }
 
-/// A score that JSON can hold, in the same order: what is not a number comes last, and the two zeros
-/// are equal.
+/// A score that JSON can hold, in the same order: what is not a number comes last, and the two
+/// zeros are equal.
 fn finite(score: f64) -> f64 {
     if score.is_nan() { f64::MIN } else { score.clamp(f64::MIN, f64::MAX) + 0.0 }
 }

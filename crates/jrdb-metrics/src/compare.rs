@@ -19,7 +19,8 @@ pub enum CompareError {
     Protocol(#[from] ProtocolMismatch),
     /// A question was not asked equally often in both.
     #[error(
-        "expected the same questions in both runs, found {frame} {question:?} {a} times in the first and {b} times in the second"
+        "expected the same questions in both runs, found {frame} {question:?} {a} times in the first \
+         and {b} times in the second"
     )]
     Questions {
         /// The question's frame.
@@ -50,8 +51,8 @@ pub enum CompareError {
 }
 
 /// Compares two runs over the same questions, in whatever order they were asked: every metric by
-/// category and overall with the 95 % interval of its difference `b - a`, and the questions that the
-/// second run fixes and breaks. The recordings of both runs are drawn together.
+/// category and overall with the 95 % interval of its difference `b - a`, and the questions that
+/// the second run fixes and breaks. The recordings of both runs are drawn together.
 ///
 /// # Errors
 /// [`CompareError`] names what differs when protocols or questions do.
@@ -267,11 +268,13 @@ mod tests {
         let (a, mut b) = (run(|_| true), run(|_| true));
         let error = |b: &Scores| compare(&a, b, &BootstrapConfig::default()).unwrap_err();
         b.questions[5].question = "Find her".into();
-        let words = "expected the same questions in both runs, found recording 1/000002 \"Find them\" 1 times in the first and 0 times in the second";
+        let words = "expected the same questions in both runs, found recording 1/000002 \"Find them\" \
+                     1 times in the first and 0 times in the second";
         assert_eq!(error(&b).to_string(), words);
         b = run(|_| true);
         b.questions[5].false_negatives += 1;
-        let words = "expected the number of true boxes of recording 1/000002 \"Find them\" to be 1 in both runs, found 2 in the second";
+        let words = "expected the number of true boxes of recording 1/000002 \"Find them\" to be 1 \
+                     in both runs, found 2 in the second";
         assert_eq!(error(&b).to_string(), words);
         b.protocol.match_iou = 0.7;
         assert!(matches!(error(&b), CompareError::Protocol(m) if m.field == "match_iou"));

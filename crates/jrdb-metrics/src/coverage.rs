@@ -1,8 +1,8 @@
 //! How often intervals hold the truth, in simulated studies whose truth is known.
 //!
-//! A study has 27 recordings, as many as JRDB's test split. They are of very unequal length, long ones
-//! are harder, and the questions of a recording share its difficulty. Coverage must be 93 to 97 %: with
-//! 2,000 studies it is itself known to 0.5 %.
+//! A study has 27 recordings, as many as JRDB's test split. They are of very unequal length, long
+//! ones are harder, and the questions of a recording share its difficulty. Coverage must be 93 to
+//! 97 %: with 2,000 studies it is itself known to 0.5 %.
 
 use jrdb_types::score::{Interval, Metric, QuestionScore};
 

@@ -47,8 +47,9 @@ pub(crate) fn score_of(question: &Question, answer: &Answer) -> QuestionScore {
     score(Outcome { question, answer }, &MetricsConfig::default()).unwrap()
 }
 
-/// The judgement of an answer that ranks candidates with these scores, of which those above a half are
-/// selected; they match a true box at so many thresholds. Beside those there are `missed` true boxes.
+/// The judgement of an answer that ranks candidates with these scores, of which those above a half
+/// are selected; they match a true box at so many thresholds. Beside those there are `missed` true
+/// boxes.
 pub(crate) fn judgement(
     sequence: &str,
     frame: u32,

@@ -8,9 +8,9 @@ use crate::recordings::{Recordings, Sureness};
 
 /// Every metric of a run with its 95 % interval, by category and overall.
 ///
-/// Recordings, not frames, are what varies independently. Ratios have studentised bootstrap intervals
-/// (Student's quantile with fewer than ten recordings, and where almost none differs), average
-/// precisions jackknife intervals. With one recording there is none.
+/// Recordings, not frames, are what varies independently. Ratios have studentised bootstrap
+/// intervals (Student's quantile with fewer than ten recordings, and where almost none differs),
+/// average precisions jackknife intervals. With one recording there is none.
 ///
 /// ```
 /// use jrdb_metrics::{BootstrapConfig, MetricsConfig, from_judgements, intervals};

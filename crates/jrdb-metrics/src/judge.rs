@@ -22,8 +22,9 @@ pub struct Outcome<'a> {
 
 /// The judgement of one question; `None` when its truth is unknown.
 ///
-/// The boxes of a selection are looked up in the answer's ranking; a selected id without a box counts
-/// as a false positive. Boxes match as in [`match_boxes`]; candidates, as in COCO's evaluator.
+/// The boxes of a selection are looked up in the answer's ranking; a selected id without a box
+/// counts as a false positive. Boxes match as in [`match_boxes`]; candidates, as in COCO's
+/// evaluator.
 #[must_use]
 pub fn score(
     Outcome { question, answer }: Outcome<'_>,
@@ -74,7 +75,8 @@ pub(crate) fn missed(question: &Question) -> Option<QuestionScore> {
     })
 }
 
-/// The boxes of the selection; of a recording, those of the first slot, once for each frame, as the benchmark has it.
+/// The boxes of the selection; of a recording, those of the first slot, once for each frame, as the
+/// benchmark has it.
 fn selected_boxes(answer: &Answer) -> Vec<PixelBox> {
     if let Some(slot) = answer.slots.first() {
         return slot.seen.iter().map(|seen| seen.bbox).collect();

@@ -58,8 +58,8 @@ impl Pool {
         self.wanted.iter().filter(|wanted| **wanted > 0.0).count()
     }
 
-    /// Average precision when every recording counts as often as its weight says; `None` when there is
-    /// nothing to be found.
+    /// Average precision when every recording counts as often as its weight says; `None` when there
+    /// is nothing to be found.
     pub(crate) fn average_precision(&self, weights: &[f64]) -> Option<Precisions> {
         let wanted: f64 = weights.iter().zip(&self.wanted).map(|(w, wanted)| w * wanted).sum();
         if wanted <= 0.0 {

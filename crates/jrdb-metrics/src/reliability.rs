@@ -5,11 +5,11 @@ use jrdb_types::score::{QuestionScore, Reliability, ReliabilityBin};
 /// As in Guo and others, 2017.
 const BINS: usize = 15;
 
-/// The expected calibration error of ranked probabilities, with its 15 bins of equal width (Guo et al.,
-/// "On Calibration of Modern Neural Networks", 2017).
+/// The expected calibration error of ranked probabilities, with its 15 bins of equal width (Guo et
+/// al., "On Calibration of Modern Neural Networks", 2017).
 ///
-/// A candidate is right when it matches a true box at IoU 0.5. Probabilities outside of `[0, 1]` count as
-/// 0 or 1. Questions whose truth has no boxes to be matched are left out.
+/// A candidate is right when it matches a true box at IoU 0.5. Probabilities outside of `[0, 1]`
+/// count as 0 or 1. Questions whose truth has no boxes to be matched are left out.
 ///
 /// ```
 /// let nothing = jrdb_metrics::reliability(&[]);

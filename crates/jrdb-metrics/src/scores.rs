@@ -12,10 +12,10 @@ use crate::{MetricsConfig, Outcome, score};
 
 /// Scores answers; questions without a known answer are left out.
 ///
-/// An answer is exact if it has the number, the yes or no, or the words of the truth, where the truth
-/// has one of these; else if it names the things of the truth; where the truth has boxes without names,
-/// if its boxes match them one to one. A question without true boxes adds 0 to `miou_gt` and
-/// `miou_query`, as in the benchmark. [`Summary`] defines every number.
+/// An answer is exact if it has the number, the yes or no, or the words of the truth, where the
+/// truth has one of these; else if it names the things of the truth; where the truth has boxes
+/// without names, if its boxes match them one to one. A question without true boxes adds 0 to
+/// `miou_gt` and `miou_query`, as in the benchmark. [`Summary`] defines every number.
 ///
 /// ```
 /// use jrdb_metrics::{MetricsConfig, Outcome, evaluate};
@@ -24,12 +24,15 @@ use crate::{MetricsConfig, Outcome, score};
 /// # let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
 /// # let frame = FrameId { sequence: "cafe".into(), frame: 0 };
 /// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], ..Truth::default() };
-/// # let question = Question { text: "Find all men".into(), category: "gender".into(), frame: frame.clone(), slots: vec![], truth: Some(truth) };
+/// # let (text, category) = ("Find all men".into(), "gender".into());
+/// # let frame_of = frame.clone();
+/// # let question = Question { text, category, frame: frame_of, slots: vec![], truth: Some(truth) };
 /// # let query = Query { text: "Find all men".into(), ..Query::default() };
 /// # let answer = Answer::new(frame, &query, MatchPolicy::Ranked, LateralConvention::Physical);
 /// # let ranking = vec![Ranked { id: id.clone(), bbox, probability: 0.9 }];
 /// # let answer = Answer { selection: vec![id], ranking, ..answer };
-/// let scores = evaluate(&[Outcome { question: &question, answer: &answer }], &MetricsConfig::default());
+/// let outcome = Outcome { question: &question, answer: &answer };
+/// let scores = evaluate(&[outcome], &MetricsConfig::default());
 /// assert_eq!(scores.overall.exact, 1);
 /// assert_eq!(scores.categories["gender"].miou_gt, 1.0);
 /// ```
@@ -38,7 +41,8 @@ pub fn evaluate(outcomes: &[Outcome<'_>], config: &MetricsConfig) -> Scores {
     evaluate_all(outcomes, &[], config)
 }
 
-/// [`evaluate`], with questions that were not answered: each counts as missed, also where nothing is meant.
+/// [`evaluate`], with questions that were not answered: each counts as missed, also where nothing
+/// is meant.
 #[must_use]
 pub fn evaluate_all(
     outcomes: &[Outcome<'_>],
@@ -96,8 +100,8 @@ pub enum MergeError {
     },
 }
 
-/// The scores of all parts of a run together. Parts in the order of the run give the run's own scores,
-/// bit for bit.
+/// The scores of all parts of a run together. Parts in the order of the run give the run's own
+/// scores, bit for bit.
 ///
 /// # Errors
 /// [`MergeError`] without a part, or when parts were judged by different rules.
@@ -235,7 +239,9 @@ mod tests {
         }
 
         #[test]
-        fn a_perfect_answer_scores_one(numbers in proptest::collection::btree_set(0_u32..40, 1..9)) {
+        fn a_perfect_answer_scores_one(
+            numbers in proptest::collection::btree_set(0_u32..40, 1..9),
+        ) {
             let numbers: Vec<u32> = numbers.into_iter().collect();
             let s = scores(&question("age", &numbers), &answer(&numbers, &[90, 91])).overall;
             prop_assert_eq!(s.exact, 1);
@@ -250,7 +256,7 @@ mod tests {
         #[test]
         fn one_category_is_the_whole(truth in proptest::collection::btree_set(0_u32..9, 0..6),
                                      selected in proptest::collection::btree_set(0_u32..9, 0..6)) {
-            let (truth, selected): (Vec<u32>, Vec<u32>) = (truth.into_iter().collect(), selected.into_iter().collect());
+            let [truth, selected] = [truth, selected].map(|some| some.into_iter().collect::<Vec<_>>());
             let s = scores(&question("age", &truth), &answer(&selected, &[]));
             prop_assert_eq!(&s.categories["age"], &s.overall);
         }

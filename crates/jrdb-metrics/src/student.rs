@@ -11,8 +11,9 @@ const TABLE: [f64; 30] = [
 /// 97.5 % quantile of the normal distribution.
 const NORMAL: f64 = 1.959_963_984_540_054;
 
-/// The 97.5 % quantile with so many degrees of freedom: from the table up to 30, then by the expansion
-/// at the normal quantile (Abramowitz and Stegun, 26.7.5), right to 1e-5. Infinite with none.
+/// The 97.5 % quantile with so many degrees of freedom: from the table up to 30, then by the
+/// expansion at the normal quantile (Abramowitz and Stegun, 26.7.5), right to 1e-5. Infinite with
+/// none.
 pub(crate) fn quantile_975(freedom: usize) -> f64 {
     match freedom {
         0 => f64::INFINITY,

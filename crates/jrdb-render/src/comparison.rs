@@ -19,7 +19,8 @@ const LISTED_MAX: usize = 20;
 /// let text = jrdb_render::distinguishable(&difference);
 /// assert_eq!(text, "the difference is not distinguishable from zero");
 /// difference.contains_zero = Some(false);
-/// assert_eq!(jrdb_render::distinguishable(&difference), "the difference is distinguishable from zero");
+/// let text = jrdb_render::distinguishable(&difference);
+/// assert_eq!(text, "the difference is distinguishable from zero");
 /// ```
 #[must_use]
 pub fn distinguishable(difference: &Difference) -> &'static str {
@@ -30,7 +31,8 @@ pub fn distinguishable(difference: &Difference) -> &'static str {
     }
 }
 
-/// A comparison: a table of every metric by category, what it comes to overall, and the questions that were fixed and broken.
+/// A comparison: a table of every metric by category, what it comes to overall, and the questions
+/// that were fixed and broken.
 #[must_use]
 pub fn comparison(of: &Comparison) -> String {
     let mut text = format!(

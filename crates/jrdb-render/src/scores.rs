@@ -20,7 +20,8 @@ const COLUMNS: [Metric; 7] = [
     Metric::MapSelection,
 ];
 
-/// Scores as a table, one row per category; below it what questions for numbers, words, yes and no came to.
+/// Scores as a table, one row per category; below it what questions for numbers, words, yes and no
+/// came to.
 #[must_use]
 pub fn scores(scores: &Scores) -> String {
     let names = COLUMNS.map(|metric| format!("{:>1$}", metric.name(), width(metric)));
@@ -79,8 +80,8 @@ fn replies(name: &str, summary: &Summary) -> String {
     counting.into_iter().chain(words).chain(yes_no).collect()
 }
 
-/// Scores with their 95 % intervals, a line for each metric of each category: `0.512 ± 0.070` is the value and half the width of
-/// the interval, whose ends follow.
+/// Scores with their 95 % intervals, a line for each metric of each category: `0.512 ± 0.070` is
+/// the value and half the width of the interval, whose ends follow.
 #[must_use]
 pub fn intervals(intervals: &Intervals) -> String {
     let mut text = format!("{:<32} {:<16} {:>13}  95 % interval\n", "category", "metric", "value");
@@ -117,7 +118,8 @@ pub(crate) fn warning(warning: Option<IntervalWarning>, recordings: usize) -> St
     }
 }
 
-/// The known answer of a question beside its score: `#1 #2   exact, IoU 1.000`; nothing where no answer is known.
+/// The known answer of a question beside its score: `#1 #2   exact, IoU 1.000`; nothing where no
+/// answer is known.
 #[must_use]
 pub fn truth(question: &Question, answer: &Answer, score: &QuestionScore) -> Option<String> {
     let truth = question.truth.as_ref()?;

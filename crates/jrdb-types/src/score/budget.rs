@@ -12,8 +12,8 @@ pub struct Share {
     pub alone: f64,
     /// The gain of this part after all parts before it.
     pub cumulative: f64,
-    /// Its Shapley value: its gain, averaged over all orders of the parts. Those of all parts add up
-    /// to the gap.
+    /// Its Shapley value: its gain, averaged over all orders of the parts. Those of all parts add
+    /// up to the gap.
     pub shapley: f64,
 }
 

@@ -14,8 +14,8 @@ use super::Metric;
 pub enum IntervalMethod {
     /// Studentised bootstrap over recordings.
     BootstrapT,
-    /// Standard error over recordings times Student's quantile: for few recordings, and where almost
-    /// none of them differs.
+    /// Standard error over recordings times Student's quantile: for few recordings, and where
+    /// almost none of them differs.
     StudentT,
     /// Standard error by leaving out one recording at a time, times Student's quantile.
     JackknifeT,

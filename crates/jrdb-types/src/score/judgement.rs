@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use crate::answer::{Reply, Status};
 use crate::id::FrameId;
 
-/// At which of COCO's ten IoU thresholds a candidate matches a true box; as JSON a number whose bit 0
-/// stands for IoU 0.50, bit 1 for 0.55 … bit 9 for 0.95.
+/// At which of COCO's ten IoU thresholds a candidate matches a true box; as JSON a number whose bit
+/// 0 stands for IoU 0.50, bit 1 for 0.55 … bit 9 for 0.95.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(transparent)]
@@ -116,8 +116,8 @@ pub struct QuestionScore {
     /// The form of the answer; absent when there is no answer.
     #[serde(default)]
     pub reply: Option<ReplyKind>,
-    /// Whether the answer is exactly the truth: the number, yes or no, the words, where the truth has
-    /// one; else the ids as sets; where the truth has boxes without ids, the boxes one to one.
+    /// Whether the answer is exactly the truth: the number, yes or no, the words, where the truth
+    /// has one; else the ids as sets; where the truth has boxes without ids, the boxes one to one.
     #[serde(default)]
     pub exact: Option<bool>,
     /// True boxes with a selected box of at least the protocol's IoU.

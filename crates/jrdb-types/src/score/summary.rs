@@ -2,8 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Scores of a set of questions. Ratios without a denominator are 0, average precision without a true
-/// box is -1; sums of questions that were not asked are absent.
+/// Scores of a set of questions. Ratios without a denominator are 0, average precision without a
+/// true box is -1; sums of questions that were not asked are absent.
 ///
 /// Means and boxes leave out the questions whose truth is words, yes or no without boxes.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -29,13 +29,13 @@ pub struct Summary {
     /// 2 TP / (2 TP + FP + FN), over all questions, at IoU 0.5: the harmonic mean of precision and
     /// recall (van Rijsbergen, "Information Retrieval", 1979).
     pub f1: f64,
-    /// Average precision of the complete rankings by probability, pooled over all questions, mean over
-    /// IoU 0.50, 0.55 … 0.95, with COCO's 101 points (Lin et al., "Microsoft COCO", 2014).
+    /// Average precision of the complete rankings by probability, pooled over all questions, mean
+    /// over IoU 0.50, 0.55 … 0.95, with COCO's 101 points (Lin et al., "Microsoft COCO", 2014).
     pub map_ranking: f64,
     /// As `map_ranking`, at IoU 0.5 only.
     pub ap50_ranking: f64,
-    /// As `map_ranking`, of the selected boxes only, all with score 1, ties in the order of questions
-    /// and selections: what a method without probabilities can have.
+    /// As `map_ranking`, of the selected boxes only, all with score 1, ties in the order of
+    /// questions and selections: what a method without probabilities can have.
     pub map_selection: f64,
     /// As `map_selection`, at IoU 0.5 only.
     pub ap50_selection: f64,
