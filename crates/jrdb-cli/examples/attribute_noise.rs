@@ -233,7 +233,7 @@ fn question(truth: &SceneGraph, query: &Query, category: &str) -> Question {
         category: category.into(),
         frame: truth.frame.clone(),
         slots: Vec::new(),
-        truth: Some(Truth { ids, boxes, count: None }),
+        truth: Some(Truth { ids, boxes, ..Truth::default() }),
     }
 }
 
@@ -274,5 +274,5 @@ fn result(outcomes: &[(Question, Answer)]) -> Score {
     };
     let questions = scores.questions.len();
     let sum: f64 = scores.questions.iter().map(f1).sum();
-    Score { questions, map: scores.overall.map, f1: sum / questions.max(1) as f64 }
+    Score { questions, map: scores.overall.map_ranking, f1: sum / questions.max(1) as f64 }
 }

@@ -1,8 +1,8 @@
 //! Artefacts of earlier versions, brought to the present one.
 
 use jrdb_types::{
-    Answer, Artefact, ArtefactError, Detections, Entities, Payload, Query, Questions, Rig,
-    SceneGraph, Scores,
+    Answer, Artefact, ArtefactError, Comparison, Detections, Entities, Payload, Query, Questions,
+    Rig, SceneGraph, Scores,
 };
 use serde_json::{Value, json};
 
@@ -78,7 +78,7 @@ fn kind<T: Payload>(steps: &'static [(u64, Step)], command: &'static str) -> Kin
     Kind { schema: T::SCHEMA, present: T::VERSION, steps, check, command }
 }
 
-fn kinds() -> [Kind; 8] {
+fn kinds() -> [Kind; 9] {
     [
         kind::<Rig>(&[(1, tree_of_frames)], "jrdb rig jrdb CALIBRATION --out rig.json"),
         kind::<Detections>(&[], "jrdb perceive --out detections.json"),
@@ -87,7 +87,9 @@ fn kinds() -> [Kind; 8] {
         kind::<Query>(&[(2, without_dropped_words)], "jrdb parse {}"),
         kind::<Answer>(&[], "jrdb search --graph scene_graph.json --text {}"),
         kind::<Questions>(&[], "jrdb synth --out SCENE"),
+        // Version 1 had no judgements, and they need the boxes.
         kind::<Scores>(&[], "jrdb evaluate --answers answer.json --questions questions.json"),
+        kind::<Comparison>(&[], "jrdb compare A B"),
     ]
 }
 
@@ -222,6 +224,7 @@ mod tests {
         let query = error("jrdb.query", 1, json!({ "text": "who is near me?" }));
         assert!(query.ends_with("make it again with `jrdb parse \"who is near me?\"`"), "{query}");
         assert!(error("jrdb.entities", 1, json!({})).contains("jrdb project"));
+        assert!(error("jrdb.scores", 1, json!({})).contains("again with `jrdb evaluate --answers"));
         assert!(error("jrdb.answer", 99, json!({})).contains("or earlier, found version 99"));
         assert!(error("jrdb.dreams", 1, json!({})).contains("found \"jrdb.dreams\""));
         assert!(migrate("{").is_err() && migrate("[]").is_err());

@@ -204,7 +204,7 @@ fn truth(known: &serde_json::Value, task: &str) -> Result<Option<Truth>, Mismatc
         (ids, boxes) = pairs.into_iter().unzip();
     }
     ids.sort();
-    Ok(Some(Truth { ids, boxes, count }))
+    Ok(Some(Truth { ids, boxes, count, ..Truth::default() }))
 }
 
 /// A whole number, bare or as text.

@@ -18,7 +18,7 @@ use crate::{MetricsConfig, Outcome};
 /// let (frame, query) = (FrameId::default(), Query::default());
 /// let nobody = Answer::new(frame.clone(), &query, MatchPolicy::Ranked, LateralConvention::Physical);
 /// let bbox = PixelBox::from([10.0, 10.0, 40.0, 90.0]);
-/// let truth = Truth { ids: vec![], boxes: vec![bbox], count: None };
+/// let truth = Truth { boxes: vec![bbox], ..Truth::default() };
 /// let question = Question {
 ///     id: None,
 ///     text: "Find all men".into(), category: "gender".into(), frame, slots: vec![], truth: Some(truth),
@@ -87,7 +87,7 @@ mod tests {
             category: "any".into(),
             frame,
             slots: vec![],
-            truth: Some(Truth { ids: vec![], boxes, count: None }),
+            truth: Some(Truth { boxes, ..Truth::default() }),
         };
         misses(Outcome { question: &question, answer: &answer }, &detections, config)
     }

@@ -81,7 +81,7 @@ fn settled(text: &str, truth: &SceneGraph, jittered: &[SceneGraph]) -> Option<(S
     let boxes = boxes.collect();
     let text = if answer.selection.len() > 1 { wording::plural(text) } else { text.into() };
     let count = answer.number();
-    Some((text, Truth { ids: answer.selection, boxes, count }))
+    Some((text, Truth { ids: answer.selection, boxes, count, ..Truth::default() }))
 }
 
 fn strict(graph: &SceneGraph, query: &Query) -> Answer {

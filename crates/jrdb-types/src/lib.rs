@@ -45,6 +45,6 @@ pub use query::{
 };
 pub use question::{Question, Questions, Truth};
 pub use rig::{Camera, Lidar, Rig, Rotation, Transform};
-pub use score::Scores;
+pub use score::{Comparison, Scores};
 pub use sensor::{Image, PointCloud};
 pub use vocab::{Action, Age, Direction, DistanceWord, Gender, LateralConvention, Race};

@@ -18,6 +18,13 @@ pub struct Truth {
     /// The number asked for, in counting questions.
     #[serde(default)]
     pub count: Option<usize>,
+    /// Yes or no, in questions that ask so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub yes_no: Option<bool>,
+    /// The words asked for: values of attributes, actions or places, in the vocabulary's spelling; neither their
+    /// case nor their order matters.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub words: Vec<String>,
 }
 
 /// One question about one frame, or about a recording.

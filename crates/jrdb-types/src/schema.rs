@@ -3,7 +3,8 @@
 use schemars::{JsonSchema, Schema, schema_for};
 
 use crate::{
-    Answer, Artefact, Detections, Entities, Payload, Query, Questions, Rig, SceneGraph, Scores,
+    Answer, Artefact, Comparison, Detections, Entities, Payload, Query, Questions, Rig, SceneGraph,
+    Scores,
 };
 
 /// The schema of one artefact.
@@ -64,5 +65,6 @@ pub fn all() -> Vec<ArtefactSchema> {
         ArtefactSchema::of::<Answer>(),
         ArtefactSchema::of::<Questions>(),
         ArtefactSchema::of::<Scores>(),
+        ArtefactSchema::of::<Comparison>(),
     ]
 }
