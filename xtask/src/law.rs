@@ -93,6 +93,11 @@ pub(crate) const LAW: &[Row] = &[
         "pictures: panorama, view from above, overlay",
         &["jrdb-types", "jrdb-projection", "jrdb-render"],
     ),
+    stage(
+        "jrdb-study",
+        "plans of studies, tables in the paper's layout, the paper's numbers",
+        &["jrdb-types"],
+    ),
     Row {
         name: "jrdb-synth",
         what: "drawn scenes with known answers",
@@ -125,6 +130,7 @@ pub(crate) const LAW: &[Row] = &[
             "jrdb-pipeline",
             "jrdb-models",
             "jrdb-draw",
+            "jrdb-study",
             "jrdb-synth",
         ],
         others: None,

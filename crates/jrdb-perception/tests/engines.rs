@@ -4,8 +4,6 @@
 
 mod onnxruntime;
 
-use std::error::Error;
-
 use jrdb_perception::{Engine, EngineError, OrtEngine, RtenEngine, Tensor};
 
 const TINY: &[u8] = include_bytes!("../testdata/tiny.onnx");

@@ -1,0 +1,15 @@
+#![doc = include_str!("../README.md")]
+
+mod fill;
+mod inject;
+mod paper;
+mod plan;
+mod table;
+mod write;
+
+pub use fill::{MethodResult, heading, table};
+pub use inject::{TRUTHS, Truths, Views, inject};
+pub use paper::{METRICS, Paper, Printed};
+pub use plan::{Data, Intervals, Method, Plan, PlanError, TablePlan};
+pub use table::{Cell, Mark, Origin, Role, Row, Table};
+pub use write::{csv, latex, markdown, text};

@@ -1,0 +1,55 @@
+//! One line per number, for other programs.
+
+use std::fmt::Write as _;
+
+use crate::table::Table;
+
+/// The table as comma-separated values, one line per cell.
+///
+/// Columns: table, origin, role, method, category, metric, percent, low, high, best_baseline,
+/// change_percent, failure. Numbers have all their digits; what is absent is empty.
+#[must_use]
+pub fn csv(table: &Table) -> String {
+    let mut out = String::from(
+        "table,origin,role,method,category,metric,percent,low,high,best_baseline,change_percent,\
+         failure\n",
+    );
+    for row in &table.rows {
+        for (column, (category, metric)) in table.columns().enumerate() {
+            let (cell, mark) = (row.cells.get(column).copied().flatten(), table.mark(row, column));
+            let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
+            let [low, high] = [0, 1].map(|end| number(cell.and_then(|c| Some(c.interval?[end]))));
+            let (origin, role) = (name(&row.origin), name(&row.role));
+            let fields = [
+                quoted(&table.title),
+                origin,
+                role,
+                quoted(&row.method),
+                quoted(category),
+                quoted(metric),
+                number(cell.map(|cell| cell.percent)),
+                low,
+                high,
+                mark.best_baseline.to_string(),
+                number(mark.change_percent),
+                quoted(row.failure.as_deref().unwrap_or_default()),
+            ];
+            let _ = writeln!(out, "{}", fields.join(","));
+        }
+    }
+    out
+}
+
+/// The name of a word as JSON has it.
+fn name(word: &impl std::fmt::Debug) -> String {
+    format!("{word:?}").to_lowercase()
+}
+
+/// A text in quotation marks where a comma, a line or a quotation mark makes that necessary.
+fn quoted(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", text.replace('"', "\"\""))
+    } else {
+        text.into()
+    }
+}
