@@ -36,6 +36,12 @@ pub enum EngineError {
         #[source]
         source: Cause,
     },
+    /// The file is no ONNX model, or not a complete one.
+    #[error("{found}")]
+    Broken {
+        /// Where it stops being one.
+        found: String,
+    },
     /// The file asks for more memory than a model needs.
     #[error("{found}")]
     TooLarge {

@@ -71,6 +71,11 @@ impl<S: Source> Wire<S> {
         }
     }
 
+    /// Bytes from the beginning of the file.
+    pub(super) fn position(&self) -> u64 {
+        self.at
+    }
+
     /// The text up to `end`, or its beginning.
     pub(super) fn text(&mut self, end: u64) -> io::Result<String> {
         let bytes = self.bytes(end, TEXT_MAX)?;
