@@ -1,6 +1,7 @@
 //! Hand-made files with everything that misleads a count.
 
 use super::*;
+use proptest::prelude::*;
 use std::io::Cursor;
 
 const FLOAT: u64 = 1;
@@ -287,4 +288,35 @@ fn graphs_that_lie_too_deep_are_refused() {
     });
     let error = of(&[nested]).unwrap_err().to_string();
     assert!(error.contains("at most 16 graphs"), "{error}");
+}
+
+/// A file with everything that is read.
+fn sound() -> Vec<u8> {
+    let value = [text(1, "value"), bytes(5, &floats("", &[4, 3], 0))].concat();
+    let branch = [text(1, "then_branch"), bytes(6, &weight("w", &[2, 3], 0))].concat();
+    let packing = [int("K", 4), int("N", 3), int("bits", 4)];
+    let graph = [
+        node("Constant", &[], &[value]),
+        node("If", &["condition"], &[branch]),
+        node("MatMulNBits", &["x", "p", "s"], &packing),
+        initializer(&tensor("p", UINT8, &[3, 1, 2], &[1, 2, 3, 4, 5, 6])),
+        external("e", &[4, 3], "w.data", 8, 48),
+    ];
+    bytes(7, &graph.concat())
+}
+
+proptest! {
+    #[test]
+    fn changed_bytes_are_counted_or_refused(
+        changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..6),
+    ) {
+        let mut model = sound();
+        for (place, byte) in changes {
+            let place = place.index(model.len());
+            model[place] = byte;
+        }
+        if let Err(error) = count_parameters(Cursor::new(&model), model.len() as u64) {
+            prop_assert!(error.to_string().starts_with("expected"), "{error}");
+        }
+    }
 }
