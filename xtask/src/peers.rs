@@ -20,15 +20,32 @@ const SHARED: &str = "../shared";
 /// The others' scripts in it.
 const SCRIPTS: &str = "bench/peers";
 
-/// Groups of inputs, the last file that is written of each, and the script that times the others on them.
-const GROUPS: [(&str, &str, &str); 6] = [
-    ("a", "a/reference.json", "bench_a_projection.py"),
-    ("b", "b/lower_odd.pcd", "bench_b_pcd.py"),
-    ("c", "c/obb_500.npy", "bench_c_relations.py"),
-    ("d", "d/queries.json", "bench_d_query.py"),
-    ("f", "f/texts.json", "bench_f_parse.py"),
-    ("g", "g/crops.json", "bench_g_image.py"),
+/// A group of inputs, and the script that times the others on them.
+struct Group {
+    name: &'static str,
+    /// The last of its files that is written.
+    last: &'static str,
+    script: &'static str,
+    /// What the script is called with.
+    arguments: &'static [&'static str],
+}
+
+const fn group(name: &'static str, last: &'static str, script: &'static str) -> Group {
+    Group { name, last, script, arguments: &[] }
+}
+
+const GROUPS: [Group; 7] = [
+    group("a", "a/reference.json", "bench_a_projection.py"),
+    group("b", "b/lower_odd.pcd", "bench_b_pcd.py"),
+    group("c", "c/obb_500.npy", "bench_c_relations.py"),
+    group("d", "d/queries.json", "bench_d_query.py"),
+    Group { arguments: &IMAGES, ..group("e", "e/dt_10000.json", "bench_e_coco.py") },
+    group("f", "f/texts.json", "bench_f_parse.py"),
+    group("g", "g/crops.json", "bench_g_image.py"),
 ];
+
+/// How many images the COCO evaluations are of. The slowest reference is run on the first only.
+const IMAGES: [&str; 2] = ["100", "10000"];
 
 /// The only inputs that are not made with numpy alone: where they cannot be made, their cases are not run.
 const PICTURES: &str = "g";
@@ -37,7 +54,7 @@ const PICTURES: &str = "g";
 const OURS: [&str; 2] = ["peer_kernels", "peer_queries"];
 
 /// Python modules that the peers are, or need, and the packages that have them. Only the first is a must.
-const MODULES: [(&str, &str); 16] = [
+const MODULES: [(&str, &str); 19] = [
     ("numpy", "numpy"),
     ("numba", "numba"),
     ("shapely", "shapely"),
@@ -52,6 +69,9 @@ const MODULES: [(&str, &str); 16] = [
     ("duckdb", "duckdb"),
     ("kuzu", "kuzu"),
     ("pyoxigraph", "pyoxigraph"),
+    ("hotcoco", "hotcoco"),
+    ("faster_coco_eval", "faster-coco-eval"),
+    ("pycocotools", "pycocotools"),
     ("lark", "lark"),
     ("spacy", "spacy"),
 ];
@@ -71,8 +91,8 @@ pub(crate) fn peers(flags: &[String]) -> Result<()> {
     session.show_packages()?;
     session.make_inputs()?;
     let before = session.ours()?;
-    for (_, _, script) in GROUPS {
-        session.time(script)?;
+    for group in &GROUPS {
+        session.time(group)?;
     }
     let ours = before.better_of(session.ours()?);
     let peers = Peers::parse(&session.results()?);
@@ -128,7 +148,8 @@ impl Session {
         command.current_dir(&self.folder);
         command.env("PYTHONDONTWRITEBYTECODE", "1").env("BENCH_THREADS", "1");
         command.env("BENCH_DATA", self.data()).env("BENCH_RESULTS", self.folder.join("results"));
-        command.env_remove("BENCH_ONLY");
+        command.env("COCO_SIZES", IMAGES.join(","));
+        command.env_remove("BENCH_ONLY").env_remove("BENCH_SLOW");
         command
     }
 
@@ -166,12 +187,12 @@ impl Session {
 
     /// Makes the inputs that are not there yet.
     fn make_inputs(&self) -> Result<()> {
-        for (group, last, _) in GROUPS {
+        for &Group { name, last, .. } in &GROUPS {
             if self.data().join(last).exists() {
                 continue;
             }
-            match self.script("gen_inputs.py", &[group], &format!("inputs_{group}.log")) {
-                Err(error) if group == PICTURES => println!("{error:#}; its cases are not run"),
+            match self.script("gen_inputs.py", &[name], &format!("inputs_{name}.log")) {
+                Err(error) if name == PICTURES => println!("{error:#}; its cases are not run"),
                 made => made?,
             }
         }
@@ -196,26 +217,28 @@ impl Session {
     }
 
     /// Times the others with a script. One that fails, mostly for want of a package, only leaves its cases without peers.
-    fn time(&self, script: &str) -> Result<()> {
-        let stale = self.result(script);
+    fn time(&self, group: &Group) -> Result<()> {
+        let stale = self.result(group);
         if stale.exists() {
             fs::remove_file(&stale)
                 .with_context(|| format!("cannot remove {}", stale.display()))?;
         }
-        if let Err(error) = self.script(script, &[], &format!("{script}.log")) {
+        let log = format!("{}.log", group.script);
+        if let Err(error) = self.script(group.script, group.arguments, &log) {
             println!("{error:#}; its cases have no peer");
         }
         Ok(())
     }
 
     /// Where a script writes what it measured on one thread.
-    fn result(&self, script: &str) -> PathBuf {
-        let name = script.trim_start_matches("bench_").trim_end_matches(".py");
+    fn result(&self, group: &Group) -> PathBuf {
+        let name = group.script.trim_start_matches("bench_").trim_end_matches(".py");
+        let name = [&[name], group.arguments].concat().join("_");
         self.folder.join("results").join(format!("{name}_t1.json"))
     }
 
     fn results(&self) -> Result<Vec<Value>> {
-        let paths = GROUPS.iter().map(|(_, _, script)| self.result(script));
+        let paths = GROUPS.iter().map(|group| self.result(group));
         paths.filter(|path| path.exists()).map(|path| read_json(&path)).collect()
     }
 

@@ -12,7 +12,7 @@ cargo xtask pipeline [flags of `jrdb run`]   run the pipeline; unless flags say 
 cargo xtask pipeline --verbose               the same, printing every question and not only the misses
 cargo xtask pipeline --check                 compare every stage's artefact with its committed snapshot
 cargo xtask pipeline --accept                rewrite the snapshots; read the difference before you commit
-cargo xtask models list|fetch|check [flags]  model files, as `jrdb models` does it
+cargo xtask models list|fetch|check|params [flags]  model files, as `jrdb models` does it
 cargo xtask scenes                           make the bundled scenes anew
 cargo xtask budget                           count each kernel's instructions against testdata/budgets.json
 cargo xtask budget --accept                  rewrite the budgets; say in the commit why one rose

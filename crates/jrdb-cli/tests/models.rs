@@ -134,3 +134,29 @@ fn conformance_light_is_counted_on_the_labelled_frame() {
     let ap50 = ran.out.lines().find_map(|line| line.strip_prefix("20 people, AP50 "));
     assert!(ap50.unwrap().parse::<f64>().unwrap() >= 0.57);
 }
+
+#[test]
+fn parameters_are_counted_by_graph_and_by_backbone() {
+    let demo = concat!(env!("CARGO_MANIFEST_DIR"), "/../../models");
+    let ran = models(&["params", demo]);
+    assert_eq!(ran.code, 0, "{}", ran.err);
+    assert!(ran.out.contains("backbone demo: 1.43 million parameters"), "{}", ran.out);
+    assert!(ran.out.contains("demo/internvl35/onnx/embed_tokens.onnx"), "{}", ran.out);
+    let ran = models(&["params", demo, "--format", "json"]);
+    let report: serde_json::Value = serde_json::from_str(&ran.out).unwrap();
+    assert_eq!(report["backbones"][0]["name"], "demo");
+    assert_eq!(report["backbones"][0]["parameters"], 1_431_176);
+}
+
+#[test]
+fn a_folder_without_models_and_a_file_that_is_none_are_bad_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("broken.onnx");
+    let ran = models(&["params", folder.path().to_str().unwrap()]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("expected ONNX files in"), "{}", ran.err);
+    std::fs::write(&file, "hello, world").unwrap();
+    let ran = models(&["params", file.to_str().unwrap()]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("broken.onnx: expected an ONNX model"), "{}", ran.err);
+}

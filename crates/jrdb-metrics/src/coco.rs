@@ -1,13 +1,20 @@
 //! COCO box evaluation: average precision and recall as the reference evaluator computes them
 //! (<https://cocodataset.org/#detection-eval>), on the plane or on the circle.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use jrdb_types::PixelBox;
 
+mod candidates;
+mod cells;
 mod curve;
+mod evaluation;
+mod groups;
+mod matching;
 
-use curve::{Judged, Verdict, curve};
+pub use evaluation::{Curve, Evaluation, Statistics};
+
+use curve::Pool;
+use groups::Grouped;
+use matching::Matcher;
 
 /// A box that is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,9 +92,10 @@ impl Area {
         }
     }
 
-    fn excludes(self, area_px2: f64) -> bool {
+    fn contains(self, area_px2: f64) -> bool {
         let (least, greatest) = self.bounds_px2();
-        area_px2 < least || area_px2 > greatest
+        let outside = area_px2 < least || area_px2 > greatest;
+        !outside
     }
 }
 
@@ -109,241 +117,40 @@ impl Default for Config {
     }
 }
 
+/// The first and the last of the IoU thresholds.
+const LOWEST_IOU: f64 = 0.5;
+const HIGHEST_IOU: f64 = 0.95;
+
 /// COCO's IoU thresholds 0.50, 0.55 … 0.95, to the last bit those of the reference evaluator.
 #[must_use]
 pub fn iou_thresholds() -> [f64; 10] {
-    let step = (0.95 - 0.5) / 9.0;
-    let mut thresholds = std::array::from_fn(|i| i as f64 * step + 0.5);
-    thresholds[9] = 0.95;
+    let step = (HIGHEST_IOU - LOWEST_IOU) / 9.0;
+    let mut thresholds = std::array::from_fn(|i| i as f64 * step + LOWEST_IOU);
+    thresholds[9] = HIGHEST_IOU;
     thresholds
-}
-
-/// Precision and recall of one category at one IoU threshold, range of area and limit of detections.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
-    /// The category.
-    pub category: u64,
-    /// Index into [`iou_thresholds`].
-    pub threshold: usize,
-    /// The range of area.
-    pub area: Area,
-    /// The limit of detections per image.
-    pub max_detections: usize,
-    /// Interpolated precision at recall 0, 0.01 … 1.
-    pub precision: Vec<f64>,
-    /// Recall with all detections.
-    pub recall: f64,
-}
-
-impl Curve {
-    /// Mean of the interpolated precision over the 101 recall points, in `[0, 1]`.
-    #[must_use]
-    pub fn average_precision(&self) -> f64 {
-        self.precision.iter().sum::<f64>() / self.precision.len() as f64
-    }
-}
-
-/// The statistics of the reference evaluator; -1 where there is no ground truth.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Statistics {
-    /// Average precision over the ten thresholds, with the greatest limit of detections: mAP@[.50:.95].
-    pub ap: f64,
-    /// Average precision at IoU 0.50.
-    pub ap50: f64,
-    /// Average precision at IoU 0.75.
-    pub ap75: f64,
-    /// As `ap`, of [`Area::Small`], [`Area::Medium`] and [`Area::Large`].
-    pub ap_by_area: [f64; 3],
-    /// Average recall over the ten thresholds, for each limit of detections in ascending order.
-    pub ar: Vec<f64>,
-    /// As the last of `ar`, of [`Area::Small`], [`Area::Medium`] and [`Area::Large`].
-    pub ar_by_area: [f64; 3],
-}
-
-impl Statistics {
-    /// The numbers in the reference evaluator's order; twelve with three limits of detections.
-    #[must_use]
-    pub fn to_vec(&self) -> Vec<f64> {
-        let mut all = vec![self.ap, self.ap50, self.ap75];
-        all.extend(self.ap_by_area);
-        all.extend(&self.ar);
-        all.extend(self.ar_by_area);
-        all
-    }
-}
-
-/// Everything that was computed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Evaluation {
-    /// A curve for each combination that has ground truth.
-    pub curves: Vec<Curve>,
-    /// The limits of detections, ascending.
-    pub max_detections: Vec<usize>,
-}
-
-impl Evaluation {
-    /// Mean average precision of the chosen curves; -1 if none is chosen.
-    pub fn mean_ap(&self, chosen: impl Fn(&Curve) -> bool) -> f64 {
-        mean(self.curves.iter().filter(|c| chosen(c)).map(Curve::average_precision))
-    }
-
-    /// Mean recall of the chosen curves; -1 if none is chosen.
-    pub fn mean_recall(&self, chosen: impl Fn(&Curve) -> bool) -> f64 {
-        mean(self.curves.iter().filter(|c| chosen(c)).map(|c| c.recall))
-    }
-
-    /// mAP@[.50:.95] of one category; -1 where it has no ground truth.
-    #[must_use]
-    pub fn category_ap(&self, category: u64) -> f64 {
-        self.mean_ap(|c| {
-            c.category == category && c.area == Area::All && Some(c.max_detections) == self.most()
-        })
-    }
-
-    /// The reference evaluator's summary.
-    #[must_use]
-    pub fn statistics(&self) -> Statistics {
-        const AT_75: usize = 5;
-        let most = self.most();
-        let whole = |c: &Curve, area| c.area == area && Some(c.max_detections) == most;
-        let by_area = [Area::Small, Area::Medium, Area::Large];
-        let limits = self.max_detections.iter();
-        Statistics {
-            ap: self.mean_ap(|c| whole(c, Area::All)),
-            ap50: self.mean_ap(|c| whole(c, Area::All) && c.threshold == 0),
-            ap75: self.mean_ap(|c| whole(c, Area::All) && c.threshold == AT_75),
-            ap_by_area: by_area.map(|area| self.mean_ap(|c| whole(c, area))),
-            ar: limits
-                .map(|&n| self.mean_recall(|c| c.area == Area::All && c.max_detections == n))
-                .collect(),
-            ar_by_area: by_area.map(|area| self.mean_recall(|c| whole(c, area))),
-        }
-    }
-
-    fn most(&self) -> Option<usize> {
-        self.max_detections.last().copied()
-    }
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> f64 {
-    let (sum, count) = values.fold((0.0, 0_usize), |(sum, count), v| (sum + v, count + 1));
-    if count == 0 { -1.0 } else { sum / count as f64 }
 }
 
 /// Evaluates detections against ground truth.
 ///
 /// Each detection, best first, takes the free true box of highest IoU (the last on ties, as the
-/// reference does) if that reaches the threshold; true boxes that do not count (crowds, other areas)
-/// are taken only when no other fits, and what takes them does not count either.
+/// reference does) if that reaches the threshold. True boxes that do not count (crowds, other
+/// areas) are taken only when no other fits, and what takes them does not count either.
+///
+/// One thread. Boxes are grouped with one sort, each pair of boxes in an image is compared once,
+/// and each detection is matched once for all thresholds and area ranges.
 #[must_use]
 pub fn evaluate(dataset: &Dataset, config: &Config) -> Evaluation {
     let mut max_detections = config.max_detections.clone();
     max_detections.sort_unstable();
     max_detections.dedup();
     let most = max_detections.last().copied().unwrap_or(0);
-    let categories: BTreeSet<u64> = dataset.truth.iter().map(|t| t.category).collect();
-
+    let mut matcher = Matcher::new(config.period_px);
     let mut curves = Vec::new();
-    for &category in &categories {
-        let images = pictures(dataset, category, most, config.period_px);
-        for &area in &config.areas {
-            for (threshold, &min_iou) in iou_thresholds().iter().enumerate() {
-                let judged: Vec<Judged> = images.iter().map(|p| p.judge(area, min_iou)).collect();
-                for &max_detections in &max_detections {
-                    let Some((precision, recall)) = curve(&judged, max_detections) else {
-                        continue;
-                    };
-                    curves.push(Curve {
-                        category,
-                        threshold,
-                        area,
-                        max_detections,
-                        precision,
-                        recall,
-                    });
-                }
-            }
-        }
+    for category in Grouped::new(dataset).categories() {
+        let pool = Pool::new(category, most, &mut matcher);
+        curves.extend(pool.curves(&config.areas, &max_detections));
     }
     Evaluation { curves, max_detections }
-}
-
-/// One image's boxes of one category.
-#[derive(Default)]
-struct Picture<'a> {
-    truth: Vec<&'a GroundTruthBox>,
-    /// Best first.
-    detections: Vec<&'a DetectionBox>,
-    /// By detection, then true box.
-    ious: Vec<Vec<f64>>,
-}
-
-fn pictures(
-    dataset: &Dataset,
-    category: u64,
-    most: usize,
-    period_px: Option<f64>,
-) -> Vec<Picture<'_>> {
-    let mut images: BTreeMap<u64, Picture<'_>> = BTreeMap::new();
-    for truth in dataset.truth.iter().filter(|t| t.category == category) {
-        images.entry(truth.image).or_default().truth.push(truth);
-    }
-    for detection in dataset.detections.iter().filter(|d| d.category == category) {
-        images.entry(detection.image).or_default().detections.push(detection);
-    }
-    for image in images.values_mut() {
-        image.detections.sort_by(|a, b| curve::best_first(a.score, b.score));
-        image.detections.truncate(most);
-        let row =
-            |d: &&DetectionBox| image.truth.iter().map(|t| overlap(d, t, period_px)).collect();
-        image.ious = image.detections.iter().map(row).collect();
-    }
-    images.into_values().collect()
-}
-
-/// IoU; with a crowd, the part of the detection that lies in it.
-fn overlap(detection: &DetectionBox, truth: &GroundTruthBox, period_px: Option<f64>) -> f64 {
-    let (d, t) = (&detection.bbox, &truth.bbox);
-    if !truth.crowd {
-        return d.iou(t, period_px);
-    }
-    let shared = match period_px {
-        Some(period_px) => d.circular_intersection_px2(t, period_px),
-        None => d.intersection_px2(t),
-    };
-    if shared > 0.0 { shared / d.area_px2() } else { 0.0 }
-}
-
-impl Picture<'_> {
-    fn judge(&self, area: Area, min_iou: f64) -> Judged {
-        let ignored: Vec<bool> =
-            self.truth.iter().map(|t| t.crowd || area.excludes(t.area_px2)).collect();
-        let mut free = vec![true; self.truth.len()];
-        let judge_one = |(detection, ious): (&&DetectionBox, &Vec<f64>)| {
-            let best_of = |wanted_ignored: bool| {
-                let fits = |&t: &usize| {
-                    ignored[t] == wanted_ignored
-                        && (free[t] || self.truth[t].crowd)
-                        && ious[t] >= min_iou
-                };
-                (0..ious.len()).filter(fits).max_by(|&a, &b| ious[a].total_cmp(&ious[b]))
-            };
-            let verdict = if let Some(t) = best_of(false) {
-                free[t] = false;
-                Verdict::Right
-            } else if let Some(t) = best_of(true) {
-                free[t] = false;
-                Verdict::Ignored
-            } else if area.excludes(detection.bbox.area_px2()) {
-                Verdict::Ignored
-            } else {
-                Verdict::Wrong
-            };
-            (detection.score, verdict)
-        };
-        let detections = self.detections.iter().zip(&self.ious).map(judge_one).collect();
-        Judged { wanted: ignored.iter().filter(|ignored| !**ignored).count(), detections }
-    }
 }
 
 #[cfg(test)]
@@ -415,20 +222,38 @@ mod tests {
         assert!(evaluate(&dataset, &Config::default()).statistics().ap > 1.0 - 1e-12);
     }
 
-    proptest! {
-        #[test]
-        fn overlap_is_bounded_and_without_crowds_symmetric(a in boxes(), b in boxes(), crowd: bool) {
-            for period_px in [None, Some(900.0)] {
-                let of = |detection: PixelBox, truth: PixelBox| {
-                    let detection = DetectionBox { image: 1, category: 1, bbox: detection, score: 1.0 };
-                    let truth = GroundTruthBox { crowd, ..GroundTruthBox::new(1, 1, truth) };
-                    overlap(&detection, &truth, period_px)
-                };
-                prop_assert!((0.0..=1.0 + 1e-12).contains(&of(a, b)));
-                prop_assert!(crowd || (of(a, b) - of(b, a)).abs() < 1e-12);
-            }
-        }
+    #[test]
+    fn the_limit_of_detections_cuts_each_image() {
+        let bbox = PixelBox::from([0.0, 0.0, 40.0, 40.0]);
+        let images = || [1, 2].into_iter();
+        let wrong = PixelBox { x: 100.0, ..bbox };
+        let found = |image, bbox, score| DetectionBox { image, category: 1, bbox, score };
+        let dataset = Dataset {
+            truth: images().map(|image| GroundTruthBox::new(image, 1, bbox)).collect(),
+            detections: images()
+                .flat_map(|image| [found(image, wrong, 0.9), found(image, bbox, 0.8)])
+                .collect(),
+        };
+        let config = Config { max_detections: vec![2, 1], ..Config::default() };
+        assert_eq!(evaluate(&dataset, &config).statistics().ar, [0.0, 1.0]);
+    }
 
+    #[test]
+    fn curves_are_in_the_order_of_category_area_threshold_and_limit() {
+        let bbox = PixelBox::from([0.0, 0.0, 40.0, 40.0]);
+        let truth = vec![GroundTruthBox::new(1, 7, bbox), GroundTruthBox::new(1, 3, bbox)];
+        let config = Config { areas: vec![Area::Medium, Area::All], ..Config::default() };
+        let curves = evaluate(&Dataset { truth, detections: vec![] }, &config).curves;
+        let areas = |area| config.areas.iter().position(|&one| one == area);
+        let keys: Vec<_> = curves
+            .iter()
+            .map(|c| (c.category, areas(c.area), c.threshold, c.max_detections))
+            .collect();
+        assert_eq!(curves.len(), 2 * 2 * 10 * 3);
+        assert!(keys.is_sorted());
+    }
+
+    proptest! {
         #[test]
         fn every_number_is_minus_one_or_between_zero_and_one(dataset in datasets()) {
             for n in numbers(&dataset, &Config::default()) {

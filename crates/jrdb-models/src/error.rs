@@ -92,6 +92,12 @@ pub enum Error {
         /// The package file that can be obtained by other means and given instead.
         package_file: Option<String>,
     },
+    /// A folder holds no model.
+    #[error("expected ONNX files in {path:?}, found none")]
+    NoModels {
+        /// The folder.
+        path: PathBuf,
+    },
     /// A file could not be read.
     #[error("cannot read {path:?}: {source}")]
     Read {

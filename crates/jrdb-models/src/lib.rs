@@ -9,6 +9,7 @@ pub mod fetch;
 mod labels;
 pub mod loader;
 mod options;
+pub mod parameters;
 mod perception;
 pub mod profile;
 mod python;

@@ -24,7 +24,10 @@ pub mod vlm;
 pub use detector::{AttributeModel, Detector, Grounder, PerceptionError};
 #[cfg(feature = "rten")]
 pub use engine::RtenEngine;
-pub use engine::{DeviceTensor, DeviceValue, Engine, EngineError, Input, Tensor, check_onnx};
+pub use engine::{
+    DeviceTensor, DeviceValue, Engine, EngineError, Input, Parameters, Tensor, Weight, check_onnx,
+    count_parameters,
+};
 #[cfg(feature = "ort")]
 pub use engine::{OrtEngine, OrtLibrary, Sessions};
 pub use light::{

@@ -19,7 +19,7 @@ enum Gate {
 }
 
 /// A case as the results name it, as we print it, and what is asked of it.
-const CASES: [(&str, &str, Gate); 27] = [
+const CASES: [(&str, &str, Gate); 29] = [
     ("N=131072 M=10", "131072 points, 10 boxes", Gate::TimesWithin(10.0, 1.0)),
     ("N=131072 M=50", "131072 points, 50 boxes", Gate::Nothing),
     ("N=131072 M=100", "131072 points, 100 boxes", Gate::TimesWithin(4.0, 3.0)),
@@ -41,6 +41,8 @@ const CASES: [(&str, &str, Gate); 27] = [
     ("index n=50", "index of 50", Gate::Times(5.0)),
     ("index n=200", "index of 200", Gate::Times(5.0)),
     ("index n=2000", "index of 2000", Gate::Times(5.0)),
+    ("images=100", "COCO statistics, 100 images", Gate::Nothing),
+    ("images=10000", "… of 10000 images", Gate::Times(2.0)),
     ("parse", "parse a question", Gate::Times(5.0)),
     ("decode 3760x480", "decode a panorama", Gate::Nothing),
     ("7 tiles -> 768^2 norm (no decode)", "its 7 tiles as tensors", Gate::Nothing),
@@ -51,18 +53,22 @@ const CASES: [(&str, &str, Gate); 27] = [
 
 /// Peers may differ from their reference by so much: in metres, or as a share of a volume.
 const PEER_TOLERANCE: f64 = 1e-4;
+/// Our COCO statistics may differ from the reference evaluator's by so much.
+const STATISTICS_TOLERANCE: f64 = 1e-12;
 
 /// What we measured, by case.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ours(BTreeMap<String, OurRow>);
 
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 struct OurRow {
     ms: f64,
     /// Reading the bare bytes of the same files.
     bytes_ms: Option<f64>,
     /// Pairs that overlap.
     overlapping: Option<u64>,
+    /// The COCO statistics.
+    statistics: Option<Vec<f64>>,
 }
 
 impl Ours {
@@ -70,7 +76,8 @@ impl Ours {
         let row = |row: &Value| {
             let number = |key: &str| row[key].as_f64();
             let (bytes_ms, overlapping) = (number("bytes_ms"), row["overlapping"].as_u64());
-            let ours = OurRow { ms: number("median_ms")?, bytes_ms, overlapping };
+            let statistics = numbers(&row["statistics"]);
+            let ours = OurRow { ms: number("median_ms")?, bytes_ms, overlapping, statistics };
             Some((row["case"].as_str()?.into(), ours))
         };
         Self(rows(json).filter_map(row).collect())
@@ -80,7 +87,7 @@ impl Ours {
     pub(crate) fn better_of(self, other: Self) -> Self {
         let mut all = self.0;
         for (case, row) in other.0 {
-            let better = all.get(&case).copied().filter(|first| first.ms <= row.ms);
+            let better = all.get(&case).cloned().filter(|first| first.ms <= row.ms);
             all.insert(case, better.unwrap_or(row));
         }
         Self(all)
@@ -88,11 +95,17 @@ impl Ours {
 
     /// Where ours and the peers found different things.
     pub(crate) fn faults(&self, peers: &Peers) -> Vec<String> {
-        let fault = |(case, row): (&String, &OurRow)| {
+        let overlapping = |(case, row): (&String, &OurRow)| {
             let (ours, theirs) = (row.overlapping?, *peers.overlapping.get(case)?);
             (ours != theirs).then(|| format!("{case}: {ours} pairs overlap, peers find {theirs}"))
         };
-        self.0.iter().filter_map(fault).collect()
+        let statistics = |(case, row): (&String, &OurRow)| {
+            let (ours, theirs) = (row.statistics.as_ref()?, peers.statistics.get(case)?);
+            let wrong = || format!("{case}: expected the statistics {theirs:?}, found {ours:?}");
+            (!are_near(ours, theirs)).then(wrong)
+        };
+        let rows = || self.0.iter();
+        rows().filter_map(overlapping).chain(rows().filter_map(statistics)).collect()
     }
 }
 
@@ -103,6 +116,8 @@ pub(crate) struct Peers {
     best: BTreeMap<String, (String, f64)>,
     /// For each case the pairs that overlap.
     overlapping: BTreeMap<String, u64>,
+    /// For each case the COCO statistics of the reference evaluator.
+    statistics: BTreeMap<String, Vec<f64>>,
 }
 
 impl Peers {
@@ -116,9 +131,13 @@ impl Peers {
             if let Some(overlapping) = row["overlapping"].as_u64() {
                 peers.overlapping.insert(case.into(), overlapping);
             }
+            if let Some(statistics) = numbers(&row["stats"]).filter(|_| row["reference"] == *peer) {
+                peers.statistics.insert(case.into(), statistics);
+            }
             for (case, ms) in measured(row, case) {
                 let is_best = peers.best.get(&case).is_none_or(|(_, best_ms)| ms < *best_ms);
                 if is_best && is_sound(row) {
+                    let peer = peer.trim_end_matches(FROM_FILES);
                     peers.best.insert(case, (peer.into(), ms));
                 }
             }
@@ -131,8 +150,27 @@ fn rows(json: &Value) -> impl Iterator<Item = &Value> {
     json["rows"].as_array().map(Vec::as_slice).unwrap_or_default().iter()
 }
 
-/// What a row says, by our names of the cases, ms: rows of queries tell one query and the index, rows of texts one text.
+fn numbers(json: &Value) -> Option<Vec<f64>> {
+    json.as_array()?.iter().map(Value::as_f64).collect()
+}
+
+fn are_near(ours: &[f64], theirs: &[f64]) -> bool {
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= STATISTICS_TOLERANCE;
+    ours.len() == theirs.len() && ours.iter().zip(theirs).all(near)
+}
+
+/// How the rows of COCO evaluations call their time. It includes reading files, so it is not taken.
+const FROM_FILES: &str = ": files to 12 stats";
+
+/// What a row says, by our names of the cases, ms: rows of queries tell one query and the index,
+/// rows of texts one text, and those of COCO evaluations the time from memory to statistics.
 fn measured(row: &Value, case: &str) -> Vec<(String, f64)> {
+    if case.starts_with("images=") {
+        let seconds = |key: &str| row[key].as_f64();
+        let parts = seconds("cpu_s_evaluate").zip(seconds("cpu_s_accumulate"));
+        let ms = |(evaluate, accumulate)| (case.into(), (evaluate + accumulate) * 1e3);
+        return parts.map(ms).into_iter().collect();
+    }
     let Some(one_us) = row["us_per_query"].as_f64() else {
         return peer_ms(row).map(|ms| (case.into(), ms)).into_iter().collect();
     };
@@ -295,7 +333,8 @@ mod tests {
     fn the_better_of_two_runs_counts_whole() {
         let again = json!({"rows": [{"case": "binary", "median_ms": 0.1, "bytes_ms": 0.2}, {"case": "iou3d M=100", "median_ms": 2.0}]});
         let better = ours().better_of(Ours::parse(&again));
-        assert_eq!(better.0["binary"], OurRow { ms: 0.1, bytes_ms: Some(0.2), overlapping: None });
+        let binary = &better.0["binary"];
+        assert_eq!((binary.ms, binary.bytes_ms), (0.1, Some(0.2)));
         assert_eq!(better.0["iou3d M=100"].ms, 1.0);
     }
 
@@ -310,6 +349,28 @@ mod tests {
         let peers = Peers::parse(&[json!({"rows": [query, text, wrong]})]);
         let ms = |case: &str| peers.best[case].1;
         assert_eq!([ms("query n=50"), ms("index n=50"), ms("parse")], [0.012, 3.0, 0.018]);
+    }
+
+    #[test]
+    fn rows_of_coco_evaluations_tell_the_time_from_memory() {
+        let row = json!({"case": "images=100", "peer": "hotcoco: files to 12 stats", "median_ms": 99.0,
+            "cpu_s_load": 0.9, "cpu_s_evaluate": 0.25, "cpu_s_accumulate": 0.5});
+        let load = json!({"case": "images=100", "peer": "json.load of the detections only", "median_ms": 1.0});
+        let peers = Peers::parse(&[json!({"rows": [row, load]})]);
+        assert_eq!(peers.best["images=100"], ("hotcoco".into(), 750.0));
+    }
+
+    #[test]
+    fn other_coco_statistics_than_the_reference_are_wrong() {
+        let of = |peer: &str, ap: f64| json!({"case": "images=100", "peer": peer, "reference": "pycocotools", "stats": [ap, 0.5]});
+        let peers = Peers::parse(&[json!({"rows": [of("pycocotools", 0.25), of("other", 0.3)]})]);
+        let faults = |ap: f64| {
+            let row = json!({"case": "images=100", "median_ms": 1.0, "statistics": [ap, 0.5]});
+            Ours::parse(&json!({"rows": [row]})).faults(&peers)
+        };
+        assert!(faults(0.25 + 1e-14).is_empty());
+        let expected = "images=100: expected the statistics [0.25, 0.5], found [0.26, 0.5]";
+        assert_eq!(faults(0.26), [expected]);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! What is fuzzed: every reader of files of the outside world, with sound inputs to start from.
 
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
@@ -7,10 +8,10 @@ use jrdb_cli::{Run, RunOptions, migrate, source::Source};
 use jrdb_dataset::cloud::{BinLayout, Format};
 use jrdb_dataset::{Dataset, OfficialCalibration, PngCompression, pcd};
 use jrdb_parser::ParserConfig;
-use jrdb_perception::RtenEngine;
 use jrdb_perception::exchange::{Exchange, replay};
 use jrdb_perception::generation::Tokens;
 use jrdb_perception::prompts::Topic;
+use jrdb_perception::{RtenEngine, count_parameters};
 use jrdb_synth::SynthConfig;
 use jrdb_types::{
     Answer, Artefact, Detections, Entities, FrameId, Image, ImageGeometry, Payload, Query, Rig,
@@ -229,8 +230,14 @@ fn words() -> Result<Vec<Target>> {
     questions.push(notation.into());
     let tokenizer = vec![read(&workspace("models/demo/internvl35/tokenizer.json"))?];
     let graph = vec![read(&workspace("models/demo/internvl35/onnx/embed_tokens.onnx"))?];
+    // With branches and constants.
+    let decoder = "models/demo/internvl35/onnx/decoder_model_merged.onnx";
+    let decoder = vec![read(&workspace(decoder))?];
     Ok(vec![
         target("onnx", Structure::Bytes, graph, |bytes, _| RtenEngine::from_onnx(bytes).is_ok()),
+        target("parameters", Structure::Bytes, decoder, |bytes, _| {
+            count_parameters(Cursor::new(bytes), bytes.len() as u64).is_ok()
+        }),
         target("question", Structure::Text, questions, |bytes, _| {
             let text = String::from_utf8_lossy(bytes);
             jrdb_pipeline::read_query(&text, &ParserConfig::default()).is_ok()

@@ -6,6 +6,7 @@ mod exchange;
 mod info;
 mod migrate;
 mod models;
+mod params;
 mod print;
 mod progress;
 mod question;

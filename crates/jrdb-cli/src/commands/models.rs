@@ -21,6 +21,7 @@ use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, PixelBox, with_causes};
 
 use super::args::{EngineArg, ModelsFolder, SourceArgs};
+use super::params::{ParamsArgs, params};
 use super::print::say;
 
 /// The backbone that `check` counts with.
@@ -40,6 +41,8 @@ enum Command {
     Fetch(FetchArgs),
     /// Load and run every model of the folder; with a dataset, count the people that `light` finds
     Check(CheckArgs),
+    /// How many parameters there are in the ONNX files of a folder: by graph, and by backbone
+    Params(ParamsArgs),
 }
 
 #[derive(Debug, Args)]
@@ -86,6 +89,7 @@ pub(crate) fn models(args: &ModelsArgs) -> Result<ExitCode> {
         Command::List(folder) => list(folder),
         Command::Fetch(args) => fetch_models(args),
         Command::Check(args) => check(args),
+        Command::Params(args) => params(args),
     }
 }
 

@@ -3,6 +3,7 @@
 //! A backbone is a JSON file in the models folder, `NAME.json`, that names folders with graphs and the files beside them. What
 //! `--perception NAME` means is all there; some are built in.
 
+mod graphs;
 mod light;
 
 use std::path::{Path, PathBuf};
@@ -264,10 +265,16 @@ impl Folder {
 
     /// A graph's file: in `onnx/`, or in the folder itself.
     fn graph(&self, name: &str) -> Result<PathBuf, Error> {
+        let place = self.place(name);
+        let missing = || Error::read(&place)(std::io::ErrorKind::NotFound.into());
+        if place.is_file() { Ok(place) } else { Err(missing()) }
+    }
+
+    /// Where a graph is, or where it is missing.
+    fn place(&self, name: &str) -> PathBuf {
         let file = format!("{name}{}.onnx", self.variant);
-        let places = [self.path.join("onnx").join(&file), self.path.join(&file)];
-        let found = places.iter().find(|path| path.is_file()).cloned();
-        found.ok_or_else(|| Error::read(&places[0])(std::io::ErrorKind::NotFound.into()))
+        let [usual, other] = [self.path.join("onnx").join(&file), self.path.join(&file)];
+        if !usual.is_file() && other.is_file() { other } else { usual }
     }
 
     fn open(&self, name: &str, loader: &Loader) -> Result<Box<dyn Engine>, Error> {

@@ -8,6 +8,7 @@ mod device_tensor;
 mod error;
 mod interface;
 mod onnx_limits;
+mod onnx_parameters;
 mod onnx_structure;
 mod onnx_wire;
 #[cfg(feature = "ort")]
@@ -24,6 +25,7 @@ pub use self::device_tensor::{DeviceTensor, DeviceValue, Input};
 pub use self::error::{Cause, EngineError};
 pub use self::interface::{Engine, check_call};
 pub use self::onnx_limits::check_onnx;
+pub use self::onnx_parameters::{Parameters, Weight, count_parameters};
 #[cfg(feature = "ort")]
 pub use self::ort::{OrtEngine, OrtLibrary, Sessions};
 #[cfg(feature = "rten")]

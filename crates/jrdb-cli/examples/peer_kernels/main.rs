@@ -4,6 +4,8 @@
 //! is checked before it is timed; a wrong one ends the program with exit code 1. All on one thread.
 #![allow(clippy::print_stdout, reason = "its result is what it prints")]
 
+mod coco;
+
 use std::fs::{self, File};
 use std::hint::black_box;
 use std::io::{self, Read};
@@ -48,6 +50,7 @@ fn main() -> Result<()> {
     rows.extend(projection(&data.join("a")).context("projection")?);
     rows.extend(files(&data.join("b")).context("files")?);
     rows.extend(pairs(&data.join("c")).context("pairs")?);
+    rows.extend(coco::evaluations(&data.join("e")).context("COCO statistics")?);
     rows.extend(pictures(&data.join("g")).context("pictures")?);
     rows.extend(real_frame().context("real frame")?);
     println!("{}", json!({ "rows": rows }));
