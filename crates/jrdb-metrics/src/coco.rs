@@ -1,134 +1,22 @@
 //! COCO box evaluation: average precision and recall as the reference evaluator computes them
 //! (<https://cocodataset.org/#detection-eval>), on the plane or on the circle.
 
-use jrdb_types::PixelBox;
-
 mod candidates;
 mod cells;
+mod config;
 mod curve;
+mod dataset;
 mod evaluation;
 mod groups;
 mod matching;
 
+pub use config::{Area, Config, iou_thresholds};
+pub use dataset::{Dataset, DetectionBox, GroundTruthBox};
 pub use evaluation::{Curve, Evaluation, Statistics};
 
 use curve::Pool;
 use groups::Grouped;
 use matching::Matcher;
-
-/// A box that is there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GroundTruthBox {
-    /// Which image it is in.
-    pub image: u64,
-    /// Its category.
-    pub category: u64,
-    /// Where, pixels.
-    pub bbox: PixelBox,
-    /// Area by which it is small, medium or large, square pixels; may differ from the box's.
-    pub area_px2: f64,
-    /// Stands for many: neither to be found nor missed, and any number of detections may lie in it.
-    pub crowd: bool,
-}
-
-impl GroundTruthBox {
-    /// A single thing whose area is its box's.
-    #[must_use]
-    pub fn new(image: u64, category: u64, bbox: PixelBox) -> Self {
-        Self { image, category, bbox, area_px2: bbox.area_px2(), crowd: false }
-    }
-}
-
-/// A box that is claimed to be there.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct DetectionBox {
-    /// Which image it is in.
-    pub image: u64,
-    /// Its category.
-    pub category: u64,
-    /// Where, pixels.
-    pub bbox: PixelBox,
-    /// Confidence; only the order counts.
-    pub score: f64,
-}
-
-/// What is evaluated. Images and categories are those that occur.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Dataset {
-    /// What is there.
-    pub truth: Vec<GroundTruthBox>,
-    /// What is claimed. Equal scores keep their order within an image; images go by number.
-    pub detections: Vec<DetectionBox>,
-}
-
-/// Which true boxes count, by area; bounds inclusive, in square pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Area {
-    /// Up to 1e5² (practically all).
-    All,
-    /// Up to 32².
-    Small,
-    /// From 32² to 96².
-    Medium,
-    /// From 96².
-    Large,
-}
-
-impl Area {
-    /// Every range.
-    pub const ALL: [Self; 4] = [Self::All, Self::Small, Self::Medium, Self::Large];
-
-    /// Least and greatest area, square pixels, both inclusive.
-    #[must_use]
-    pub const fn bounds_px2(self) -> (f64, f64) {
-        const SMALL: f64 = 32.0 * 32.0;
-        const LARGE: f64 = 96.0 * 96.0;
-        const END: f64 = 1e10;
-        match self {
-            Self::All => (0.0, END),
-            Self::Small => (0.0, SMALL),
-            Self::Medium => (SMALL, LARGE),
-            Self::Large => (LARGE, END),
-        }
-    }
-
-    fn contains(self, area_px2: f64) -> bool {
-        let (least, greatest) = self.bounds_px2();
-        let outside = area_px2 < least || area_px2 > greatest;
-        !outside
-    }
-}
-
-/// How to evaluate.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Config {
-    /// Circumference of the panorama, pixels, for IoU on the circle; on the plane when absent.
-    pub period_px: Option<f64>,
-    /// How many detections per image and category may count: one evaluation for each limit.
-    pub max_detections: Vec<usize>,
-    /// Which ranges of area to evaluate.
-    pub areas: Vec<Area>,
-}
-
-impl Default for Config {
-    /// COCO's: on the plane, at most 1, 10 and 100 detections, all four ranges of area.
-    fn default() -> Self {
-        Self { period_px: None, max_detections: vec![1, 10, 100], areas: Area::ALL.to_vec() }
-    }
-}
-
-/// The first and the last of the IoU thresholds.
-const LOWEST_IOU: f64 = 0.5;
-const HIGHEST_IOU: f64 = 0.95;
-
-/// COCO's IoU thresholds 0.50, 0.55 … 0.95, to the last bit those of the reference evaluator.
-#[must_use]
-pub fn iou_thresholds() -> [f64; 10] {
-    let step = (HIGHEST_IOU - LOWEST_IOU) / 9.0;
-    let mut thresholds = std::array::from_fn(|i| i as f64 * step + LOWEST_IOU);
-    thresholds[9] = HIGHEST_IOU;
-    thresholds
-}
 
 /// Evaluates detections against ground truth.
 ///
@@ -156,6 +44,7 @@ pub fn evaluate(dataset: &Dataset, config: &Config) -> Evaluation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use jrdb_types::PixelBox;
     use proptest::prelude::*;
 
     fn boxes() -> impl Strategy<Value = PixelBox> {

@@ -5,7 +5,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::{Component, Path, PathBuf};
 
 use jrdb_perception::{Parameters, count_parameters};
 use serde::Serialize;
@@ -94,7 +95,17 @@ fn count(path: &Path) -> Result<Parameters, Error> {
     let file = File::open(path).map_err(Error::read(path))?;
     let bytes = file.metadata().map_err(Error::read(path))?.len();
     let counted = count_parameters(file, bytes).map_err(wrap)?;
-    Ok(counted.with_external_files(path.parent().unwrap_or(Path::new(""))))
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(counted.with_external_files(|location| open_beside(folder, location)))
+}
+
+/// Opens a file of a folder; nothing outside of it.
+fn open_beside(folder: &Path, location: &str) -> io::Result<File> {
+    let location = Path::new(location);
+    if !location.components().all(|part| matches!(part, Component::Normal(_))) {
+        return Err(io::ErrorKind::InvalidInput.into());
+    }
+    File::open(folder.join(location))
 }
 
 /// A folder and what its graphs hold.
@@ -280,6 +291,16 @@ mod tests {
         let missing = Path::new("florence-2-base-ft/onnx/decoder_model_merged.onnx");
         assert_eq!(backbones[0].missing.len(), 6);
         assert!(backbones[0].missing.iter().any(|path| path == missing));
+    }
+
+    #[test]
+    fn weights_outside_of_the_folder_are_not_opened() {
+        let folder = Path::new(MODELS).join("demo/florence2/onnx");
+        assert!(open_beside(&folder, "encoder_model.onnx").is_ok());
+        for location in ["../config.json", "/etc/hostname"] {
+            let error = open_beside(&folder, location).unwrap_err();
+            assert_eq!(error.kind(), io::ErrorKind::InvalidInput, "{location}");
+        }
     }
 
     #[test]

@@ -1,7 +1,8 @@
 //! Which true boxes a detection may take.
 
 use super::cells::{Cells, cells_of_iou};
-use super::{DetectionBox, GroundTruthBox, LOWEST_IOU};
+use super::config::LOWEST_IOU;
+use super::dataset::{DetectionBox, GroundTruthBox};
 
 /// A true box whose IoU with a detection reaches the lowest threshold.
 #[derive(Debug, Clone, Copy, PartialEq)]

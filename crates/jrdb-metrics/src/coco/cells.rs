@@ -1,7 +1,7 @@
 //! Sets of cells: a bit for each pair of an area range and an IoU threshold, so that one step of
 //! matching decides all forty pairs.
 
-use super::{Area, iou_thresholds};
+use super::config::{Area, iou_thresholds};
 
 /// A set of cells.
 pub(super) type Cells = u64;

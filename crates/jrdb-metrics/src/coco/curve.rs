@@ -3,9 +3,10 @@
 use std::cmp::Reverse;
 
 use super::cells::{Cells, cell};
+use super::config::{Area, iou_thresholds};
+use super::evaluation::Curve;
 use super::groups::{Category, rank};
 use super::matching::{Matcher, Verdict};
-use super::{Area, Curve, iou_thresholds};
 
 /// Recall points.
 const POINTS: usize = 101;

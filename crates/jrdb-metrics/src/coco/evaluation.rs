@@ -1,13 +1,13 @@
 //! What an evaluation computes, and the reference evaluator's summary of it.
 
-use super::Area;
+use super::config::Area;
 
 /// Precision and recall of one category at one IoU threshold, area range and limit of detections.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     /// The category.
     pub category: u64,
-    /// Index into [`iou_thresholds`](super::iou_thresholds).
+    /// Index into [`iou_thresholds`](crate::coco::iou_thresholds).
     pub threshold: usize,
     /// The range of area.
     pub area: Area,

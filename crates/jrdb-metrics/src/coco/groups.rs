@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::{Dataset, DetectionBox, GroundTruthBox};
+use super::dataset::{Dataset, DetectionBox, GroundTruthBox};
 
 /// The boxes of a dataset, ordered by category, then image; detections also by score.
 pub(super) struct Grouped<'a> {

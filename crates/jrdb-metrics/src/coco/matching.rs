@@ -2,8 +2,8 @@
 
 use super::candidates::{Candidate, find_candidates};
 use super::cells::{ALL_CELLS, Cells, cells_of_area};
+use super::dataset::{DetectionBox, GroundTruthBox};
 use super::groups::Group;
-use super::{DetectionBox, GroundTruthBox};
 
 /// What a detection turned out to be; in the cells of neither set it is ignored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,8 +73,8 @@ impl Matcher {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::coco::Area;
     use crate::coco::cells::cell;
+    use crate::coco::config::Area;
     use jrdb_types::PixelBox;
 
     fn at(x: f64) -> PixelBox {

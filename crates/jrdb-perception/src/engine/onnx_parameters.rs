@@ -3,6 +3,7 @@
 //! Shapes and types are read, and a few numbers of each weight, by which equal weights are known.
 
 mod element;
+mod fault;
 mod operator;
 mod samples;
 mod scan;
@@ -10,8 +11,7 @@ mod tensor;
 mod weight;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{Read, Seek};
-use std::path::Path;
+use std::io::{self, Read, Seek};
 
 use super::error::EngineError;
 use scan::Scan;
@@ -35,11 +35,16 @@ impl Parameters {
         Self::new(graphs.into_iter().flat_map(|graph| graph.weights.iter().cloned()))
     }
 
-    /// Looks at a few numbers of the weights in files of their own, which lie in a folder, so that
-    /// equal ones are found. A weight whose file cannot be read stays known by its place.
+    /// Looks at a few numbers of the weights in files of their own, so that equal ones are found.
+    ///
+    /// `open` opens a file by the location that the graph states, from the folder of the graph.
+    /// A weight whose file cannot be read stays known by its place.
     #[must_use]
-    pub fn with_external_files(mut self, folder: &Path) -> Self {
-        self.weights.iter_mut().for_each(|weight| weight.sample_external(folder));
+    pub fn with_external_files<R: Read + Seek>(
+        mut self,
+        mut open: impl FnMut(&str) -> io::Result<R>,
+    ) -> Self {
+        self.weights.iter_mut().for_each(|weight| weight.sample_external(&mut open));
         Self::new(self.weights)
     }
 

@@ -1,9 +1,9 @@
 //! An ONNX file, walked through in search of weights.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io;
 
 use super::element::Class;
+use super::fault::Fault;
 use super::operator::{Packing, Use, roles, weight_use};
 use super::tensor::Tensor;
 use super::weight::Weight;
@@ -11,34 +11,6 @@ use crate::engine::onnx_wire::{Source, Value, Wire};
 
 /// How deep graphs may lie in each other.
 const DEPTH_MAX: usize = 16;
-
-/// Why a file cannot be counted.
-#[derive(Debug)]
-pub(super) enum Fault {
-    /// It breaks off, or is no protocol buffer.
-    Wire,
-    /// What is wrong with it.
-    Found(String),
-}
-
-impl From<io::Error> for Fault {
-    fn from(_: io::Error) -> Self {
-        Self::Wire
-    }
-}
-
-impl Fault {
-    /// What was expected and what was found, in a file of so many bytes, read up to a byte.
-    pub(super) fn describe(self, bytes: u64, position: u64) -> String {
-        match self {
-            Self::Found(found) => found,
-            Self::Wire => format!(
-                "expected an ONNX model, found a file of {bytes} bytes that is none from byte \
-                 {position} on"
-            ),
-        }
-    }
-}
 
 /// What is known of a node.
 #[derive(Debug, Default)]

@@ -3,8 +3,8 @@
 use std::io;
 
 use super::element::Element;
+use super::fault::Fault;
 use super::samples::Samples;
-use super::scan::Fault;
 use super::weight::External;
 use crate::engine::onnx_wire::{Source, Value, Wire};
 

@@ -1,8 +1,6 @@
 //! A weight, and when two are the same.
 
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::path::{Component, Path};
 
 use super::element::Element;
 use super::samples::Samples;
@@ -66,22 +64,26 @@ impl Weight {
         self.shape.iter().filter(|&&length| length > 1).count() > 1
     }
 
-    /// Looks at some of its numbers in a file of a folder, if it is there and can be read.
-    pub(super) fn sample_external(&mut self, folder: &Path) {
+    /// Looks at some of its numbers in a file of its own, if that can be opened and read.
+    pub(super) fn sample_external<R: Read + Seek>(
+        &mut self,
+        open: &mut impl FnMut(&str) -> io::Result<R>,
+    ) {
         if let Some(external) = &self.external {
-            self.samples = external.samples(folder, self.stored, &self.shape).ok();
+            let file = open(&external.location);
+            let samples = file.and_then(|file| external.samples(file, self.stored, &self.shape));
+            self.samples = samples.ok();
         }
     }
 }
 
 impl External {
-    fn samples(&self, folder: &Path, element: Element, shape: &[u64]) -> io::Result<Samples> {
-        let location = Path::new(&self.location);
-        // Nothing outside of the folder is opened.
-        if !location.components().all(|part| matches!(part, Component::Normal(_))) {
-            return Err(io::ErrorKind::InvalidInput.into());
-        }
-        let mut file = File::open(folder.join(location))?;
+    fn samples(
+        &self,
+        mut file: impl Read + Seek,
+        element: Element,
+        shape: &[u64],
+    ) -> io::Result<Samples> {
         Samples::take(element, shape, |place, length| {
             let mut bytes = vec![0; length];
             file.seek(SeekFrom::Start(self.offset.saturating_add(place)))?;
