@@ -60,7 +60,18 @@ fn bundled_run(flags: &[String]) -> Result<()> {
     if !is_given(VERBOSE) && !is_given("--format") && !is_given("--explain") {
         command.arg("--brief");
     }
-    run(command.args(flags.iter().filter(|flag| *flag != VERBOSE)))
+    run(command.args(flags.iter().filter(|flag| *flag != VERBOSE)))?;
+    if flags.is_empty() { bundled_study() } else { Ok(()) }
+}
+
+/// The plan that compares methods on the bundled scenes, and where its tables go.
+const STUDY: &str = "testdata/study.yaml";
+const STUDY_OUT: &str = "out/study";
+
+/// The table that the run ends with.
+fn bundled_study() -> Result<()> {
+    eprintln!("comparing methods on the same questions: about a minute on two cores");
+    run(jrdb().arg("study").arg(root().join(STUDY)).args(["--out", STUDY_OUT]))
 }
 
 /// Makes the bundled scenes anew from their `scene.json`.

@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod answers;
 pub mod calib;
 pub mod evaluation;
 pub mod health;
@@ -14,6 +15,7 @@ pub mod run;
 pub mod run_folder;
 pub mod run_options;
 pub mod source;
+pub mod study;
 
 mod description;
 mod error;

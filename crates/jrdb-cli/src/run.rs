@@ -2,6 +2,8 @@
 //!
 //! Frames are worked on several at once, and handed out in order as soon as they are ready; only a few are in memory.
 
+mod recordings;
+
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
@@ -19,6 +21,7 @@ use jrdb_projection::Motions;
 use jrdb_types::{Answer, Detections, FrameId, ImageGeometry, Query, Question};
 
 use crate::Error;
+use crate::answers::questions_digest;
 use crate::description::{Work, describe};
 use crate::guard::guarded;
 use crate::health::{FrameHealth, Health};
@@ -60,6 +63,8 @@ impl<'o> Run<'o> {
         if options.baseline && perception.grounder().is_none() {
             return Err(jrdb_pipeline::Error::NoGrounder.into());
         }
+        let asked = questions.per_frame.iter().flatten().map(|one| &one.question);
+        let questions_digest = Some(questions_digest(asked));
         if !perception.tracks() {
             questions.forget_names();
         }
@@ -84,6 +89,7 @@ impl<'o> Run<'o> {
         let pool = pool.map_err(no_pool)?;
         let threads = NonZeroUsize::new(pool.current_num_threads()).unwrap_or(NonZeroUsize::MIN);
         let metrics = metrics_config(&options.config, frames[0].robot.image());
+        let metrics = MetricsConfig { questions_digest, ..metrics };
         let perception = Arc::new(perception);
         Ok(Self {
             options,

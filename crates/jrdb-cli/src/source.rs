@@ -112,6 +112,35 @@ pub struct FrameSource {
     pub doubts: std::sync::Arc<[Issue]>,
 }
 
+/// What stands for every sequence of a tree.
+const ALL: &str = "all";
+
+/// The sequences that names stand for: names with commas between them, `all` for every sequence of
+/// the tree, `@FILE` for a list with a name per line (`#` begins a remark). Each is listed once.
+///
+/// # Errors
+/// When a list or the tree cannot be read.
+pub fn sequence_names(root: &Path, names: &[String]) -> Result<Vec<String>, Error> {
+    let mut wanted = Vec::new();
+    for name in names.iter().flat_map(|names| names.split(',')).map(str::trim) {
+        match name.strip_prefix('@') {
+            Some(list) => wanted.extend(listed(Path::new(list))?),
+            None if name == ALL => wanted.extend(Dataset::open(root)?.sequences()?),
+            None => wanted.push(name.to_owned()),
+        }
+    }
+    let mut seen = BTreeSet::new();
+    wanted.retain(|name| seen.insert(name.clone()));
+    Ok(wanted)
+}
+
+/// The names in a list.
+fn listed(path: &Path) -> Result<Vec<String>, Error> {
+    let text = std::fs::read_to_string(path).map_err(|error| Error::file("read", path, error))?;
+    let names = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    Ok(names.filter(|name| !name.is_empty()).map(String::from).collect())
+}
+
 /// Lists the frames of all sources, in the order of the sources, then by sequence and number.
 ///
 /// `range` keeps frames whose number lies in it.

@@ -4,6 +4,7 @@ pub mod cloud;
 pub mod image;
 pub mod rig;
 
+mod answers;
 mod boxes;
 mod calibration;
 mod describe;
@@ -23,6 +24,7 @@ mod times;
 mod tree;
 mod writer;
 
+pub use answers::{GivenAnswer, GivenBoxes, GivenContent, read_answers};
 pub use calibration::{LidarMount, OfficialCalibration};
 pub use cloud::pcd;
 pub use describe::{Description, Kind, describe};

@@ -47,13 +47,13 @@ struct DataPoint {
 /// A name, or a number that is one.
 #[derive(Deserialize)]
 #[serde(untagged)]
-enum Name {
+pub(crate) enum Name {
     Text(String),
     Number(i64),
 }
 
 impl Name {
-    fn into_text(self) -> String {
+    pub(crate) fn into_text(self) -> String {
         match self {
             Self::Text(text) => text,
             Self::Number(number) => number.to_string(),

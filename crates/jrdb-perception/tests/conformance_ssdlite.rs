@@ -46,14 +46,12 @@ fn check(scene: &Scene, make: impl Fn() -> Box<dyn Engine> + Sync) -> Vec<Detect
     println!("{name}: AP50 {ap50:.3}, {right} of {people} people found, {wrong} false");
     assert!(ap50 >= 0.5 && right >= 9 && wrong <= 2);
 
-    for threads in [1, 2] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let engine = make();
-        let start = Instant::now();
-        let again = pool.install(|| detect(scene, engine, SsdLiteConfig::default()));
-        println!("{name}: {} ms per panorama with {threads} threads", start.elapsed().as_millis());
-        assert_eq!(again, detections, "with {threads} threads");
-    }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let engine = make();
+    let start = Instant::now();
+    let again = pool.install(|| detect(scene, engine, SsdLiteConfig::default()));
+    println!("{name}: {} ms per panorama with one thread", start.elapsed().as_millis());
+    assert_eq!(again, detections, "one thread and several see the same");
     detections
 }
 
@@ -72,7 +70,7 @@ fn conformance_ssdlite_on_the_real_frame() {
 fn conformance_ssdlite_wherever_the_seam_and_the_tiles_begin() {
     let Some((mut scene, model)) = given() else { return };
     let library = onnxruntime::find();
-    for turn in 1..=4 {
+    for turn in 1..=2 {
         scene.turn(467); // a tile's width and a half, and no multiple of any stride
         let (Quality { ap50, right, wrong }, _) = quality(&scene, || match &library {
             Some(library) => Box::new(OrtEngine::from_onnx(library, &model, 1).unwrap()),

@@ -3,6 +3,8 @@
 use jrdb_types::answer::{Cause, CauseKind, Count, Ranked, Reply};
 use jrdb_types::{Answer, Capabilities, Detections, EntityId, FrameId, Issue, Query, Status, Task};
 
+use rayon::prelude::*;
+
 use crate::{Error, Frame, Pipeline, PipelineConfig, Scene};
 
 /// The answers of the detector alone to some questions, and the scene that they point to. Every box that the detector is
@@ -22,10 +24,13 @@ pub fn answer(
     match frame.images.first().map(crate::CameraImage::pixels) {
         Some(Ok(pixels)) => {
             let grounder = pipeline.perception().grounder().ok_or(Error::NoGrounder)?;
-            for query in queries {
-                let found = grounder.ground(pixels, &frame.id, &query.text);
-                let fail = |source| Error::Perception { frame: frame.id.clone(), source };
-                let mut found = found.map_err(fail)?;
+            let fail = |source| Error::Perception { frame: frame.id.clone(), source };
+            // Each sentence is a run of the model over the whole image.
+            let found = queries
+                .par_iter()
+                .map(|query| grounder.ground(pixels, &frame.id, &query.text).map_err(fail));
+            let found: Vec<Detections> = found.collect::<Result<_, _>>()?;
+            for (query, mut found) in queries.iter().zip(found) {
                 rename(&mut found, all.detections.len());
                 answers.push(answer_of(&found, query, pipeline.config()));
                 all.detections.extend(found.detections);
@@ -40,7 +45,7 @@ pub fn answer(
         None => {}
     }
     all.detections.sort_by(|a, b| a.id.cmp(&b.id));
-    Ok((pipeline.see_detections(frame, all)?, answers))
+    Ok((pipeline.unplaced(frame, all)?, answers))
 }
 
 /// Gives boxes names that no other question's boxes have.

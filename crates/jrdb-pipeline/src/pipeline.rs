@@ -110,6 +110,19 @@ impl Pipeline {
         Ok(self.complete(self.place_detections(frame, detections)?, &Motions::new()))
     }
 
+    /// A scene whose things have no places, and so no relations; the cloud is there to be drawn.
+    pub(crate) fn unplaced(&self, frame: Frame, detections: Detections) -> Result<Scene, Error> {
+        let nothing = Detections { detections: Vec::new(), ..detections.clone() };
+        let placed = self.place_detections(frame, nothing)?;
+        let placements = vec![Placement::UNKNOWN; detections.detections.len()];
+        let issues = [placed.issues.clone(), detections.issues.clone()].concat();
+        let placed = PlacedFrame { detections, placements, ..placed };
+        let mut scene = self.complete(placed, &Motions::new());
+        // That things have no place is no trouble here.
+        scene.entities.issues = issues;
+        Ok(scene)
+    }
+
     /// The second half of [`Pipeline::see`]: headings, relations, the graph and its index.
     #[must_use]
     pub fn complete(&self, placed: PlacedFrame, motions: &Motions) -> Scene {

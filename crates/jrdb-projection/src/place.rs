@@ -27,6 +27,11 @@ pub struct Space<'a> {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Placement(pub(crate) Option<Spot>);
 
+impl Placement {
+    /// Nothing tells where it is.
+    pub const UNKNOWN: Self = Self(None);
+}
+
 /// A position and the points that it was found from.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Spot {

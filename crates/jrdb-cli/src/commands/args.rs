@@ -5,7 +5,9 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use jrdb_cli::Error;
-use jrdb_cli::source::{FrameSource, RigChoice, RobotOptions, Source, open_perception};
+use jrdb_cli::source::{
+    FrameSource, RigChoice, RobotOptions, Source, open_perception, sequence_names,
+};
 use jrdb_dataset::cloud::CloudColumns;
 use jrdb_models::demographics::Demographics;
 use jrdb_models::loader::{EngineChoice, EngineOptions, LibraryInModels};
@@ -24,7 +26,8 @@ pub(crate) struct SourceArgs {
     /// The root of a JRDB tree
     #[arg(long, value_name = "ROOT", requires = "sequence")]
     dataset: Option<PathBuf>,
-    /// A sequence of the tree; may be given several times
+    /// Sequences of the tree, with commas between them; all for every one, @FILE for a list with one
+    /// per line; may be given several times
     #[arg(long, value_name = "NAME", requires = "dataset")]
     sequence: Vec<String>,
     /// Frame numbers, B exclusive; all when absent
@@ -68,11 +71,11 @@ impl SourceArgs {
 
     pub(crate) fn sources(&self) -> Result<Vec<Source>, Error> {
         let of_tree = |root: &PathBuf| {
-            let names = self.sequence.iter().cloned();
-            names.map(|name| Source::Sequence { root: root.clone(), name }).collect()
+            let names = sequence_names(root, &self.sequence)?.into_iter();
+            Ok(names.map(|name| Source::Sequence { root: root.clone(), name }).collect())
         };
         match &self.dataset {
-            Some(root) => Ok(of_tree(root)),
+            Some(root) => of_tree(root),
             None if self.scene.is_empty() => Err(Error::Usage(
                 "expected --scene DIR, or --dataset ROOT and --sequence NAME".into(),
             )),
@@ -102,6 +105,23 @@ pub(crate) struct PerceptionArgs {
     #[arg(long, value_enum, default_value_t, num_args = 0..=1, default_missing_value = "gender", value_name = "WHAT")]
     pub(crate) demographics: DemographicsArg,
     #[command(flatten)]
+    engine: EngineArgs,
+}
+
+impl PerceptionArgs {
+    pub(crate) fn open(&self, frames: &[FrameSource]) -> Result<Perception, Error> {
+        open_perception(&self.perception, frames, &self.engine(), self.demographics.into())
+    }
+
+    pub(crate) fn engine(&self) -> EngineOptions {
+        self.engine.options()
+    }
+}
+
+/// What runs models.
+#[derive(Debug, Args)]
+pub(crate) struct EngineArgs {
+    #[command(flatten)]
     models: ModelsFolder,
     /// Which engine runs models
     #[arg(long, value_enum, default_value_t)]
@@ -114,12 +134,8 @@ pub(crate) struct PerceptionArgs {
     profile: bool,
 }
 
-impl PerceptionArgs {
-    pub(crate) fn open(&self, frames: &[FrameSource]) -> Result<Perception, Error> {
-        open_perception(&self.perception, frames, &self.engine(), self.demographics.into())
-    }
-
-    pub(crate) fn engine(&self) -> EngineOptions {
+impl EngineArgs {
+    pub(crate) fn options(&self) -> EngineOptions {
         let (choice, library) = (self.engine.into(), self.onnxruntime.clone());
         let profile = self.profile.then(Profile::default);
         EngineOptions { choice, library, profile, ..self.models.engine() }

@@ -2,6 +2,8 @@
 
 mod args;
 mod calib;
+mod compare;
+mod evaluate;
 mod exchange;
 mod info;
 mod migrate;
@@ -14,6 +16,7 @@ mod rig;
 mod run;
 mod schema;
 mod stage;
+mod study;
 mod synth;
 
 use std::path::Path;
@@ -47,7 +50,11 @@ enum Command {
     /// Scene graph and query to an answer
     Search(stage::SearchArgs),
     /// Answers and truth to scores
-    Evaluate(stage::EvaluateArgs),
+    Evaluate(evaluate::EvaluateArgs),
+    /// Whether two methods differ on the same questions, and by how much
+    Compare(compare::CompareArgs),
+    /// Several methods on the same questions: tables as in the paper, intervals, an error budget
+    Study(study::StudyArgs),
     /// Write a JRDB-format dataset of drawn people, with questions and answers
     Synth(synth::SynthArgs),
     /// Does the cloud fit the image, and if not, by how much
@@ -125,7 +132,9 @@ pub(crate) fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Graph(args) => stage::graph(&args),
         Command::Parse(args) => stage::parse(&args),
         Command::Search(args) => stage::search(&args),
-        Command::Evaluate(args) => stage::evaluate(&args),
+        Command::Evaluate(args) => evaluate::evaluate(&args),
+        Command::Compare(args) => compare::compare(&args),
+        Command::Study(args) => study::study(&args),
         Command::Synth(args) => synth::synth(&args),
         Command::Calib(args) => calib::calib(&args),
         Command::Rig(args) => rig::rig(&args),

@@ -26,6 +26,11 @@ impl Progress {
         Self { bar, what, started: now, last_line: Cell::new(now) }
     }
 
+    /// What is being done now.
+    pub(crate) fn now_at(&self, what: String) {
+        self.bar.set_message(what);
+    }
+
     /// One more thing is done.
     pub(crate) fn advance(&self) {
         self.bar.inc(1);

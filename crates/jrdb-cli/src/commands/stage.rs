@@ -1,6 +1,6 @@
 //! One stage per command: artefacts in, an artefact out.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::sync::Arc;
 
@@ -9,15 +9,14 @@ use clap::Args;
 use jrdb_cli::output::{read_artefact, write, write_artefact};
 use jrdb_cli::source::{FrameSource, Source, list_frames};
 use jrdb_cli::{Error, report};
-use jrdb_metrics::Outcome;
 use jrdb_parser::notation;
 use jrdb_perception::{KnownDetections, Perceive};
 use jrdb_pipeline::{Pipeline, PipelineConfig, read_query};
 use jrdb_search::{Pooling, SearchConfig};
-use jrdb_types::{Answer, Artefact, Detections, Entities, Payload, Query, Question, SceneGraph};
+use jrdb_types::{Artefact, Detections, Entities, Payload, Query, SceneGraph};
 use serde_json::{Value, json};
 
-use super::args::{Iou, PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
+use super::args::{PerceptionArgs, ProjectionArgs, RobotArgs, SourceArgs};
 use super::print::{Format, say};
 use super::question::{AnswerArgs, ReadingArgs, only_question, questions};
 
@@ -248,108 +247,4 @@ fn answer(
     }
     let summary = report::answer(query, &answer, args.answers.why_not.as_ref());
     args.output.give(json!(config), &jrdb_render::with_words(answer), summary.trim_end())
-}
-
-#[derive(Debug, Args)]
-pub(crate) struct EvaluateArgs {
-    /// Answers; may be given several times
-    #[arg(long, value_name = "FILE", required = true)]
-    answers: Vec<PathBuf>,
-    /// Questions with their truth, in the JRDB-Reasoning layout
-    #[arg(long, value_name = "FILE")]
-    questions: PathBuf,
-    /// Which IoU scores use
-    #[arg(long, value_enum, default_value_t)]
-    iou: Iou,
-    /// Circumference of the panorama for circular IoU, pixels
-    #[arg(long, default_value_t = 3760.0, value_name = "PX")]
-    period_px: f64,
-    #[command(flatten)]
-    output: OutputArgs,
-}
-
-pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
-    let questions = jrdb_dataset::read_questions(&args.questions).map_err(Error::from)?.questions;
-    let mut answers: Vec<(&Path, Answer)> = Vec::new();
-    for path in &args.answers {
-        answers.push((path, read_artefact(path)?));
-    }
-    let Matched { outcomes, unanswered, strangers } = matched(&questions, &answers)?;
-    if outcomes.is_empty() {
-        let (path, answer) = &answers[0];
-        bail!(
-            "expected answers to questions of {:?}, found none: the first, in {path:?}, is to {:?} about {}",
-            args.questions,
-            answer.question,
-            answer.frame
-        );
-    }
-    if strangers > 0 {
-        eprintln!("note: {strangers} answers are to no question of the file");
-    }
-    if !unanswered.is_empty() {
-        eprintln!(
-            "note: {} of {} questions have no answer and count as missed:",
-            unanswered.len(),
-            questions.len()
-        );
-        for question in unanswered.iter().take(LISTED_MAX) {
-            eprintln!("  {} {:?}", question.frame, question.text);
-        }
-        if unanswered.len() > LISTED_MAX {
-            eprintln!("  and {} more", unanswered.len() - LISTED_MAX);
-        }
-    }
-    let mut config = PipelineConfig::default();
-    args.iou.apply(&mut config);
-    config.metrics.period_px = Some(args.period_px);
-    let scores = jrdb_metrics::evaluate_all(&outcomes, &unanswered, &config.metrics);
-    args.output.give(json!(config.metrics), &scores, &jrdb_render::scores(&scores))
-}
-
-/// Unanswered questions that are listed one by one.
-const LISTED_MAX: usize = 10;
-
-/// Answers beside their questions.
-struct Matched<'a> {
-    outcomes: Vec<Outcome<'a>>,
-    /// Questions without an answer.
-    unanswered: Vec<&'a Question>,
-    /// How many answers are to no question.
-    strangers: usize,
-}
-
-/// Finds the question of every answer: that of the same frame and text. Where a file asks a question twice, it may be
-/// answered twice.
-fn matched<'a>(
-    questions: &'a [Question],
-    answers: &'a [(&Path, Answer)],
-) -> Result<Matched<'a>, Error> {
-    let mut given: Vec<Option<&(&Path, Answer)>> = vec![None; questions.len()];
-    let mut strangers = 0;
-    for answered in answers {
-        let (path, answer) = answered;
-        let is_to = |q: &Question| q.frame == answer.frame && q.text == answer.question;
-        let mut places = (0..questions.len()).filter(|place| is_to(&questions[*place])).peekable();
-        let Some(first) = places.peek().copied() else {
-            strangers += 1;
-            continue;
-        };
-        match (places.find(|place| given[*place].is_none()), given[first]) {
-            (Some(place), _) => given[place] = Some(answered),
-            (None, Some((other, _))) => {
-                return Err(Error::Usage(format!(
-                    "expected one answer to {:?} about {}, found two: {other:?} and {path:?}",
-                    answer.question, answer.frame
-                )));
-            }
-            (None, None) => {}
-        }
-    }
-    let pairs = questions.iter().zip(&given);
-    let outcome = |(question, given): (&'a Question, &Option<&'a (&Path, Answer)>)| {
-        given.map(|(_, answer)| Outcome { question, answer })
-    };
-    let unanswered = pairs.clone().filter(|(_, given)| given.is_none()).map(|(q, _)| q).collect();
-    Ok(Matched { outcomes: pairs.filter_map(outcome).collect(), unanswered, strangers })
 }

@@ -1,0 +1,286 @@
+//! A study: several methods on the same questions, and the tables that come of it.
+
+mod error_budget;
+mod files;
+mod recording;
+mod result;
+
+pub use result::{StudyResult, budget_text};
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use jrdb_metrics::{BootstrapConfig, MetricsConfig};
+use jrdb_models::loader::EngineOptions;
+use jrdb_pipeline::PipelineConfig;
+use jrdb_study::{Method, MethodResult, Paper, Plan, Table, TablePlan};
+use jrdb_types::{Questions, Scores};
+
+use crate::interrupt::Interrupt;
+use crate::run::metrics_config;
+use crate::run_options::RunOptions;
+use crate::source::{FrameSource, RobotOptions, Source, list_frames};
+use crate::{Error, answers};
+
+/// How a study is run, besides what its plan says.
+#[derive(Debug, Clone, Default)]
+pub struct StudyOptions {
+    /// The plan.
+    pub plan: PathBuf,
+    /// Folder for its results.
+    pub out: PathBuf,
+    /// The root of a JRDB tree, instead of the plan's.
+    pub dataset: Option<PathBuf>,
+    /// A file of questions, instead of the plan's.
+    pub questions: Option<PathBuf>,
+    /// How to choose an engine for models, and where they are.
+    pub engine: EngineOptions,
+    /// Worker threads; one per core when absent. The tables do not depend on it.
+    pub threads: Option<usize>,
+    /// Ends the study before the next recording.
+    pub interrupt: Interrupt,
+}
+
+/// What a study does next, for whoever watches it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Step<'a> {
+    /// The method.
+    pub method: &'a str,
+    /// The recording, or what else is being done.
+    pub what: String,
+}
+
+/// Whether the paper has a category.
+fn is_printed(category: &str) -> bool {
+    let paper = Paper::printed();
+    paper.tables.iter().any(|table| table.categories.iter().any(|name| name == category))
+}
+
+/// A study, ready to run.
+pub struct Study<'o> {
+    options: &'o StudyOptions,
+    plan: Plan,
+    sources: Vec<Source>,
+    questions_digest: String,
+}
+
+impl<'o> Study<'o> {
+    /// Reads the plan and finds its recordings.
+    ///
+    /// # Errors
+    /// When the plan is not one, or a recording that it names is not there.
+    pub fn open(options: &'o StudyOptions) -> Result<Self, Error> {
+        let path = &options.plan;
+        let text = std::fs::read_to_string(path).map_err(|e| Error::file("read", path, e))?;
+        let plan = Plan::from_yaml(&text)
+            .map_err(|error| Error::Usage(format!("{}: {error}", path.display())))?;
+        let (sources, questions_digest) = (Vec::new(), String::new());
+        let mut study = Self { options, plan, sources, questions_digest };
+        study.take_paths()?;
+        study.sources = study.find_sources()?;
+        let questions = study.questions()?;
+        study.check_categories(&questions)?;
+        study.questions_digest = answers::questions_digest(&questions.questions);
+        Ok(study)
+    }
+
+    /// Puts the paths that the options name in place of the plan's.
+    fn take_paths(&mut self) -> Result<(), Error> {
+        let absolute = |path: &PathBuf| {
+            let absolute = std::path::absolute(path).map_err(|e| Error::file("read", path, e))?;
+            Ok::<_, Error>(absolute.display().to_string())
+        };
+        let data = &mut self.plan.data;
+        if let Some(root) = &self.options.dataset {
+            if data.dataset.is_none() {
+                let expected = "a plan with data.dataset beside --dataset, found scenes";
+                return Err(Error::Usage(format!("expected {expected}")));
+            }
+            data.dataset = Some(absolute(root)?);
+        }
+        if let Some(path) = &self.options.questions {
+            data.questions = Some(absolute(path)?);
+        }
+        Ok(())
+    }
+
+    /// Whether every category of a table is one of a question or of the paper.
+    fn check_categories(&self, questions: &Questions) -> Result<(), Error> {
+        let asked: BTreeSet<&str> =
+            questions.questions.iter().map(|question| question.category.as_str()).collect();
+        for table in &self.plan.tables {
+            let unknown = |name: &&String| !asked.contains(name.as_str()) && !is_printed(name);
+            if let Some(name) = table.categories.iter().find(unknown) {
+                let known: Vec<&str> = asked.into_iter().collect();
+                let (title, known) = (&table.title, known.join(", "));
+                return Err(Error::Usage(format!(
+                    "table {title:?}: expected categories of the questions ({known}), found {name:?}"
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// How many steps there are: each recording of each method, and the error budget.
+    ///
+    /// # Errors
+    /// When a recording has no frames.
+    pub fn step_count(&self) -> Result<usize, Error> {
+        let frames = self.frame_sources()?;
+        let recordings: BTreeSet<&str> = frames.iter().map(|f| f.id.sequence.as_str()).collect();
+        let steps = |method: &Method| if method.answers.is_empty() { recordings.len() } else { 1 };
+        let budget = usize::from(self.plan.error_budget.is_some());
+        Ok(self.plan.methods.iter().map(steps).sum::<usize>() + budget)
+    }
+
+    /// Runs what is missing, and writes the tables. A method that fails is a row that says so.
+    ///
+    /// # Errors
+    /// When results cannot be written, or the study is interrupted.
+    pub fn execute(&self, mut on_step: impl FnMut(&Step<'_>)) -> Result<StudyResult, Error> {
+        let mut results = Vec::new();
+        for method in &self.plan.methods {
+            let started = Instant::now();
+            let result = self.method(method, &mut on_step)?;
+            files::write_timing(&self.options.out, &method.name, started.elapsed())?;
+            results.push(result);
+        }
+        let measured: Vec<(&Method, &MethodResult)> =
+            self.plan.methods.iter().zip(&results).collect();
+        let plans = self.table_plans(&results);
+        let tables: Vec<Table> =
+            plans.iter().map(|plan| jrdb_study::table(plan, &measured)).collect();
+        let budget = self.budget(&mut on_step)?;
+        let failures = measured.iter().filter_map(|(method, result)| match result {
+            MethodResult::Failed(why) => Some((method.name.clone(), why.clone())),
+            MethodResult::Scored(..) => None,
+        });
+        let result = StudyResult { failures: failures.collect(), tables, budget };
+        files::write_study(&self.options.out, &self.plan, &result)?;
+        Ok(result)
+    }
+
+    /// The scores of one method, or why it has none.
+    fn method(
+        &self,
+        method: &Method,
+        on_step: &mut impl FnMut(&Step<'_>),
+    ) -> Result<MethodResult, Error> {
+        let scores = match method.answers.is_empty() {
+            true => self.recordings(method, on_step),
+            false => {
+                on_step(&Step { method: &method.name, what: "answers".into() });
+                self.answers_of(method)
+            }
+        };
+        match scores {
+            Ok(mut scores) => {
+                scores.protocol.questions_digest = Some(self.questions_digest.clone());
+                files::write_scores(&self.options.out, &method.name, &scores)?;
+                let bootstrap = self.bootstrap();
+                let intervals = jrdb_metrics::intervals(&scores, &bootstrap);
+                Ok(MethodResult::Scored(Box::new(scores), intervals))
+            }
+            Err(error) if self.options.interrupt.came().is_some() => Err(error),
+            Err(error) => Ok(MethodResult::Failed(jrdb_types::with_causes(&error))),
+        }
+    }
+
+    fn bootstrap(&self) -> BootstrapConfig {
+        let jrdb_study::Intervals { draws, seed } = self.plan.intervals;
+        BootstrapConfig { draws, seed }
+    }
+
+    /// The tables of the plan; without any, one of all categories.
+    fn table_plans(&self, results: &[MethodResult]) -> Vec<TablePlan> {
+        if !self.plan.tables.is_empty() {
+            return self.plan.tables.clone();
+        }
+        let scored = results.iter().filter_map(|result| match result {
+            MethodResult::Scored(scores, _) => Some(scores.as_ref()),
+            MethodResult::Failed(_) => None,
+        });
+        let names: BTreeSet<&String> = scored.flat_map(|scores| scores.categories.keys()).collect();
+        vec![TablePlan::of_all(&self.plan.title, names.into_iter().cloned())]
+    }
+
+    /// The options of a run of one method, without its recordings.
+    fn run_options(&self, method: &Method) -> Result<RunOptions, Error> {
+        let mut options = RunOptions {
+            frames: self.frames()?,
+            engine: self.options.engine.clone(),
+            threads: self.options.threads,
+            interrupt: self.options.interrupt.clone(),
+            baseline: method.detector_alone,
+            questions: self.plan.data.questions.as_ref().map(|path| self.path(path)),
+            ..RunOptions::default()
+        };
+        if let Some(perception) = &method.perception {
+            options.perception = perception.parse()?;
+        }
+        options.config.search.policy = method.policy;
+        options.config.projection.localizer = method.localizer;
+        options.config.metrics.iou = self.plan.iou;
+        Ok(options)
+    }
+
+    fn frames(&self) -> Result<Option<std::ops::Range<u32>>, Error> {
+        let Some(text) = &self.plan.data.frames else { return Ok(None) };
+        let ends = text.split_once("..").and_then(|(a, b)| Some(a.parse().ok()?..b.parse().ok()?));
+        let range = ends.filter(|range: &std::ops::Range<u32>| range.start < range.end);
+        let expected = || format!("data: expected frames A..B with A < B, found {text:?}");
+        range.map(Some).ok_or_else(|| Error::Usage(expected()))
+    }
+
+    /// A path of the plan: relative to the plan's folder.
+    fn path(&self, path: &str) -> PathBuf {
+        self.options.plan.parent().unwrap_or_else(|| Path::new("")).join(path)
+    }
+
+    fn find_sources(&self) -> Result<Vec<Source>, Error> {
+        let data = &self.plan.data;
+        let Some(root) = &data.dataset else {
+            return Ok(data.scenes.iter().map(|scene| Source::Scene(self.path(scene))).collect());
+        };
+        let root = self.path(root);
+        let lists = data.sequences.iter().map(|text| match text.strip_prefix('@') {
+            Some(list) => format!("@{}", self.path(list).display()),
+            None => text.clone(),
+        });
+        let names = crate::source::sequence_names(&root, &lists.collect::<Vec<_>>())?;
+        Ok(names.into_iter().map(|name| Source::Sequence { root: root.clone(), name }).collect())
+    }
+
+    /// All questions of the study.
+    fn questions(&self) -> Result<Questions, Error> {
+        if let Some(path) = &self.plan.data.questions {
+            return Ok(jrdb_dataset::read_questions(&self.path(path))?);
+        }
+        let own = self.sources.iter().map(Source::own_questions);
+        let own = own.collect::<Result<Vec<_>, _>>()?.into_iter();
+        Ok(Questions { questions: own.flat_map(|own| own.questions).collect() })
+    }
+
+    /// How answers of other programs are judged: as those of the runs.
+    fn metrics(&self) -> Result<MetricsConfig, Error> {
+        let mut config = PipelineConfig::default();
+        config.metrics.iou = self.plan.iou;
+        Ok(metrics_config(&config, self.frame_sources()?[0].robot.image()))
+    }
+
+    fn frame_sources(&self) -> Result<Vec<FrameSource>, Error> {
+        list_frames(&self.sources, self.frames()?.as_ref(), &RobotOptions::default())
+    }
+
+    /// The judgements of the answers of another program.
+    fn answers_of(&self, method: &Method) -> Result<Scores, Error> {
+        let specs: Vec<String> =
+            method.answers.iter().map(|spec| self.path(spec).display().to_string()).collect();
+        let questions = self.questions()?;
+        let metrics = self.metrics()?;
+        let loaded = answers::load_answers(&specs)?;
+        let matched = answers::match_answers(&questions.questions, loaded)?;
+        Ok(matched.scores(&metrics))
+    }
+}

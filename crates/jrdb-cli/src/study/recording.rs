@@ -1,0 +1,125 @@
+//! The recordings of one method: run where their scores are missing.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+use jrdb_metrics::{from_judgements, merge};
+use jrdb_models::sha256_hex;
+use jrdb_study::Method;
+use jrdb_types::score::QuestionScore;
+use jrdb_types::{FrameId, Scores};
+
+use super::{Step, Study, files};
+use crate::questions::Answered;
+use crate::run::Run;
+use crate::run_options::RunOptions;
+use crate::{Error, FrameResult};
+
+impl Study<'_> {
+    /// The scores of all recordings of a method. Models are loaded once.
+    pub(super) fn recordings(
+        &self,
+        method: &Method,
+        on_step: &mut impl FnMut(&Step<'_>),
+    ) -> Result<Scores, Error> {
+        let options = RunOptions { sources: self.sources.clone(), ..self.run_options(method)? };
+        let mut run = Run::open(&options)?;
+        let mut shelf = Shelf::new(self, method, &run);
+        for name in shelf.known.keys() {
+            on_step(&Step { method: &method.name, what: name.clone() });
+        }
+        run.keep(|recording| !shelf.known.contains_key(recording));
+        let counts = run.frame_counts();
+        let mut trouble = None;
+        let summary = run.execute(|result| {
+            let recording = result.id.sequence.clone();
+            trouble = shelf.add(result).err();
+            let is_done = shelf.frames(&recording) == counts[&recording];
+            if trouble.is_none() && is_done {
+                on_step(&Step { method: &method.name, what: recording.clone() });
+                trouble = shelf.put(&recording, &run).err();
+            }
+            if trouble.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        })?;
+        trouble.map_or(Ok(()), Err)?;
+        if summary.is_cut_short {
+            return Err(Error::Usage("interrupted before the last recording".into()));
+        }
+        shelf.finish(&summary.recordings, &run)
+    }
+}
+
+/// Scores of recordings: those that are known, and judgements of those that are being run.
+struct Shelf<'s> {
+    study: &'s Study<'s>,
+    method: &'s Method,
+    /// All recordings in order, with the digest of what determines their scores.
+    digests: Vec<(String, String)>,
+    known: BTreeMap<String, Scores>,
+    judged: BTreeMap<String, (usize, Vec<QuestionScore>)>,
+}
+
+impl<'s> Shelf<'s> {
+    fn new(study: &'s Study<'s>, method: &'s Method, run: &Run<'_>) -> Self {
+        let digest = |name: String| {
+            let digest = sha256_hex(run.description_of(&name).to_string().as_bytes());
+            (name, digest)
+        };
+        let digests: Vec<_> = run.recordings().into_iter().map(digest).collect();
+        let known = digests.iter().filter_map(|(name, digest)| {
+            let path = files::recording(&study.options.out, &method.name, name);
+            Some((name.clone(), files::known_scores(&path, digest)?))
+        });
+        Self { study, method, known: known.collect(), digests, judged: BTreeMap::new() }
+    }
+
+    /// How many frames of a recording have been judged.
+    fn frames(&self, recording: &str) -> usize {
+        self.judged.get(recording).map_or(0, |(frames, _)| *frames)
+    }
+
+    fn add(&mut self, FrameResult { id, output }: FrameResult) -> Result<(), Error> {
+        let output = output.map_err(|error| failed(&id, &error))?;
+        let (frames, judged) = self.judged.entry(id.sequence).or_default();
+        *frames += 1;
+        judged.extend(output.answered.into_iter().filter_map(|one| one.score));
+        Ok(())
+    }
+
+    /// Stores the scores of a recording that is complete: one without questions about time.
+    fn put(&mut self, recording: &str, run: &Run<'_>) -> Result<(), Error> {
+        if run.asks_about_time(recording) {
+            return Ok(());
+        }
+        let (_, judged) = self.judged.remove(recording).unwrap_or_default();
+        let scores = from_judgements(run.protocol(), judged);
+        let digests = self.digests.iter().find(|(name, _)| name == recording);
+        let digest = digests.map(|(_, digest)| digest.as_str()).unwrap_or_default();
+        let path = files::recording(&self.study.options.out, &self.method.name, recording);
+        files::write_known(&path, digest, &scores)?;
+        self.known.insert(recording.into(), scores);
+        Ok(())
+    }
+
+    /// The scores of all recordings together.
+    fn finish(mut self, in_time: &[Answered], run: &Run<'_>) -> Result<Scores, Error> {
+        for answered in in_time {
+            let recording = self.judged.entry(answered.answer.frame.sequence.clone()).or_default();
+            recording.1.extend(answered.score.clone());
+        }
+        let left = std::mem::take(&mut self.judged);
+        let left = left.into_values().flat_map(|(_, judged)| judged);
+        let mut all = vec![from_judgements(run.protocol(), left.collect())];
+        all.splice(0..0, self.digests.iter().filter_map(|(name, _)| self.known.remove(name)));
+        let merged = merge(&all).map_err(|error| Error::Usage(jrdb_types::with_causes(&error)))?;
+        if merged.questions.is_empty() {
+            let expected = "expected questions with a known answer, found none";
+            return Err(Error::Usage(expected.into()));
+        }
+        Ok(merged)
+    }
+}
+
+fn failed(frame: &FrameId, error: &Error) -> Error {
+    Error::Usage(format!("{frame}: {}", jrdb_types::with_causes(error)))
+}

@@ -1,0 +1,24 @@
+//! What a study comes to.
+
+use jrdb_study::Table;
+use jrdb_types::score::{Budget, Metric};
+
+/// What a study came to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct StudyResult {
+    /// Its tables.
+    pub tables: Vec<Table>,
+    /// The gap of one method, split among the stages, by metric.
+    pub budget: Vec<(Metric, Budget)>,
+    /// Methods that failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+/// The error budgets in words.
+#[must_use]
+pub fn budget_text(budgets: &[(Metric, Budget)]) -> String {
+    let words = |(metric, budget): &(Metric, Budget)| {
+        format!("error budget of {}\n{}\n", metric.name(), jrdb_render::budget(budget))
+    };
+    budgets.iter().map(words).collect()
+}
