@@ -1,5 +1,6 @@
 //! Which questions are asked of which frame, each read once.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -24,11 +25,6 @@ pub struct ReadQuestion {
 }
 
 impl ReadQuestion {
-    fn new(question: Question, config: &ParserConfig) -> Self {
-        let query = Arc::new(read_or_report(&question.text, config));
-        Self { question, query }
-    }
-
     /// Whether it needs more than one frame.
     #[must_use]
     pub fn speaks_of_time(&self) -> bool {
@@ -78,17 +74,16 @@ impl FrameQuestions {
                 listed.questions.extend(source.own_questions()?.questions);
             }
         }
-        let listed: Vec<ReadQuestion> =
-            listed.questions.into_iter().map(|one| ReadQuestion::new(one, config)).collect();
+        let count = listed.questions.len();
+        let mut by_frame = by_frame(listed.questions, config);
         let of_frame = |frame: &FrameSource| {
             let typed = typed.iter().map(|query| typed_question(query, &frame.id));
-            let listed = listed.iter().filter(|one| one.question.frame == frame.id).cloned();
-            typed.chain(listed).collect::<Vec<_>>()
+            typed.chain(by_frame.remove(&frame.id).unwrap_or_default()).collect::<Vec<_>>()
         };
         let per_frame: Vec<Vec<ReadQuestion>> = frames.iter().map(of_frame).collect();
         let asked: usize = per_frame.iter().map(Vec::len).sum();
         let from_file = asked - typed.len() * frames.len();
-        Ok(Self { per_frame, unasked: listed.len().saturating_sub(from_file) })
+        Ok(Self { per_frame, unasked: count.saturating_sub(from_file) })
     }
 
     /// Leaves of the truth only its boxes: the names that perception gives are others.
@@ -110,8 +105,40 @@ impl FrameQuestions {
     }
 }
 
+/// The questions of every frame, in their order; equal texts are read once and share their query.
+fn by_frame(
+    questions: Vec<Question>,
+    config: &ParserConfig,
+) -> BTreeMap<FrameId, Vec<ReadQuestion>> {
+    let mut queries: BTreeMap<String, Arc<Query>> = BTreeMap::new();
+    let mut by_frame: BTreeMap<FrameId, Vec<ReadQuestion>> = BTreeMap::new();
+    for question in questions {
+        let read = || Arc::new(read_or_report(&question.text, config));
+        let query = queries.entry(question.text.clone()).or_insert_with(read).clone();
+        by_frame.entry(question.frame.clone()).or_default().push(ReadQuestion { question, query });
+    }
+    by_frame
+}
+
 fn typed_question(query: &Arc<Query>, frame: &FrameId) -> ReadQuestion {
     let category = TYPED.into();
     let question = Question { category, ..Question::typed(&*query.text, frame.clone()) };
     ReadQuestion { question, query: query.clone() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn equal_texts_share_a_query_and_frames_keep_the_order_of_their_questions() {
+        let asked =
+            |text: &str, frame| Question::typed(text, FrameId { sequence: "cafe".into(), frame });
+        let all = vec![asked("Find all men", 1), asked("Who sits?", 1), asked("Find all men", 2)];
+        let by_frame = by_frame(all, &ParserConfig::default());
+        let frames: Vec<&Vec<ReadQuestion>> = by_frame.values().collect();
+        let texts: Vec<&str> = frames[0].iter().map(|one| &*one.question.text).collect();
+        assert_eq!(texts, ["Find all men", "Who sits?"]);
+        assert!(Arc::ptr_eq(&frames[0][0].query, &frames[1][0].query));
+    }
 }

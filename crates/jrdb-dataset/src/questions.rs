@@ -1,11 +1,14 @@
 //! JRDB-Reasoning data points: questions about one frame or a recording with their known answers.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+use std::fs::File;
+use std::io::BufReader;
 use std::path::Path;
 
 use jrdb_types::{EntityId, FrameId, PixelBox, Question, Questions, Truth};
-use serde::de::IgnoredAny;
-use serde::{Deserialize, Serialize};
+use serde::de::{Error as _, IgnoredAny, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::number::Real;
 use crate::{Error, boxes, file, json};
@@ -125,7 +128,49 @@ const VIDEO: &str = "video";
 /// [`Error::Read`], [`Error::Json`], or [`Error::Content`] for a question about something else or of another task,
 /// without a frame, or with a known answer that cannot be read.
 pub fn read_questions(path: &Path) -> Result<Questions, Error> {
-    parse(&file::read_text(path)?, path)
+    // What does not stream, and whatever is wrong with it, is left to the reader of whole files.
+    match streamed(path) {
+        Some(questions) => Ok(questions),
+        None => parse(&file::read_text(path)?, path),
+    }
+}
+
+/// The questions of a plain file, with one data point in memory at a time. `None` where that does not
+/// go: a pipe, which can be read only once; UTF-16; numbers that are no JSON; a mistake.
+fn streamed(path: &Path) -> Option<Questions> {
+    // To open a pipe would begin to read it.
+    let file = path.is_file().then(|| File::open(path).ok())??;
+    let mut json = serde_json::Deserializer::from_reader(BufReader::new(file));
+    let Streamed(questions) = Streamed::deserialize(&mut json).ok()?;
+    json.end().ok()?;
+    Some(Questions { questions })
+}
+
+/// Questions made of data points as these are read.
+struct Streamed(Vec<Question>);
+
+impl<'de> Deserialize<'de> for Streamed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_seq(PointsVisitor).map(Self)
+    }
+}
+
+struct PointsVisitor;
+
+impl<'de> Visitor<'de> for PointsVisitor {
+    type Value = Vec<Question>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("data points")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut points: A) -> Result<Vec<Question>, A::Error> {
+        let mut questions = Vec::new();
+        while let Some(point) = points.next_element()? {
+            questions.push(question(point).map_err(|(expected, _)| A::Error::custom(expected))?);
+        }
+        Ok(questions)
+    }
 }
 
 fn parse(text: &str, path: &Path) -> Result<Questions, Error> {
@@ -362,6 +407,24 @@ mod tests {
         assert_eq!(truth.ids, [EntityId::new("pedestrian", 2), EntityId::new("pedestrian", 6)]);
         assert_eq!(truth.boxes[0].x, 1638.0, "boxes follow their ids");
         assert_eq!(truth.count, None);
+    }
+
+    #[test]
+    fn plain_files_are_streamed_and_others_are_read_all_the_same() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("questions.json");
+        let write = |text: &str| file::write(&path, text.as_bytes()).unwrap();
+        let expected = read(&[POINT, POINT].join(",")).unwrap();
+        write(&format!("[{POINT}, {POINT}]\n"));
+        assert_eq!(streamed(&path), Some(expected.clone()));
+        let odd_number = POINT.replace("\"difficulty_level\": 3", "\"difficulty_level\": NaN");
+        for text in [format!("\u{feff}[{POINT}, {POINT}]"), format!("[{odd_number}, {POINT}]")] {
+            write(&text);
+            assert_eq!((streamed(&path), read_questions(&path).unwrap()), (None, expected.clone()));
+        }
+        write(&format!("[{POINT}, {}]", POINT.replace("\"VG\"", "\"QA\"")));
+        let error = read_questions(&path).unwrap_err().to_string();
+        assert!(error.contains("in question 1, found \"QA\""), "{error}");
     }
 
     #[test]
