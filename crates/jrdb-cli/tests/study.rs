@@ -79,7 +79,7 @@ fn labels_are_right_everybody_is_a_baseline_and_nothing_is_lost_when_the_truth_i
     let rows = &found["tables"][0]["table"]["rows"];
     assert_eq!((&rows[0]["role"], &rows[1]["role"]), (&json!("baseline"), &json!("method")));
     let percents = |row: &Value| -> Vec<f64> {
-        row["cells"].as_array().unwrap().iter().filter_map(|c| c["percent"].as_f64()).collect()
+        row["cells"].as_array().unwrap().iter().filter_map(|c| c["value"].as_f64()).collect()
     };
     assert!(percents(&rows[1]).iter().all(|percent| *percent == 100.0), "{rows}");
     assert!(percents(&rows[0]).iter().any(|percent| *percent < 50.0), "{rows}");

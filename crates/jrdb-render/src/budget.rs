@@ -6,13 +6,23 @@ use jrdb_types::score::{Budget, Confusion, Reliability};
 #[must_use]
 pub fn budget(of: &Budget) -> String {
     let mut text = format!("{:<24} {:>8} {:>10} {:>8}\n", "given", "alone", "cumulative", "share");
+    let largest = of.shares.iter().map(|share| share.shapley.abs()).fold(0.0, f64::max);
     for share in &of.shares {
         let (alone, cumulative, shapley) = (share.alone, share.cumulative, share.shapley);
-        let name = &share.truth;
-        text += &format!("{name:<24} {alone:>+8.3} {cumulative:>+10.3} {shapley:>+8.3}\n");
+        let (name, bar) = (&share.truth, bar(shapley, largest));
+        let line = format!("{name:<24} {alone:>+8.3} {cumulative:>+10.3} {shapley:>+8.3} {bar}");
+        text += &format!("{}\n", line.trim_end());
     }
     let (without, with_all, gap) = (of.without, of.with_all, of.gap());
     text + &format!("from {without:.3} to {with_all:.3}: the shares add up to {gap:+.3}\n")
+}
+
+/// A bar as long as a share; the largest has so many characters. A loss is drawn lighter.
+fn bar(share: f64, largest: f64) -> String {
+    const LONGEST: f64 = 30.0;
+    let length = if largest > 0.0 { (share.abs() / largest * LONGEST).round() } else { 0.0 };
+    let character = if share < 0.0 { "░" } else { "█" };
+    character.repeat(length as usize)
 }
 
 /// Stated probabilities beside the share that is right, a line for each bin with candidates.

@@ -4,7 +4,7 @@ use jrdb_types::score::{Estimate, IntervalWarning, Intervals, Metric, Scores};
 
 use crate::paper::Paper;
 use crate::plan::{Method, TablePlan};
-use crate::table::{Cell, Origin, Row, Table};
+use crate::table::{Cell, Origin, Role, Row, Table, Unit};
 
 /// What a method came to.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,10 +37,35 @@ pub fn table(plan: &TablePlan, measured: &[(&Method, &MethodResult)]) -> Table {
     rows.extend(shown.clone().map(|(method, result)| row(plan, method, result)));
     Table {
         title: plan.title.clone(),
+        unit: Unit::Percent,
         categories: plan.categories.clone(),
         metrics: plan.metrics.iter().map(|metric| heading(*metric)).collect(),
         notes: notes(plan, &rows, shown.map(|(_, result)| *result)),
         rows,
+    }
+}
+
+/// The paper's table of parameters above those counted here, in billions.
+#[must_use]
+pub fn parameter_table(counted: &[(String, f64)]) -> Table {
+    let row = |origin| {
+        move |(method, billions): (String, f64)| Row {
+            method,
+            role: Role::Method,
+            origin,
+            cells: vec![Some(Cell::plain(billions))],
+            failure: None,
+        }
+    };
+    let quoted = Paper::printed().parameters.into_iter().map(row(Origin::Quoted));
+    let counted = counted.iter().cloned().map(row(Origin::Measured));
+    Table {
+        title: "Parameters".into(),
+        unit: Unit::Billions,
+        categories: vec!["parameters".into()],
+        metrics: vec!["billions".into()],
+        rows: quoted.chain(counted).collect(),
+        notes: vec!["Counted are the weights of each model's ONNX files, shared ones once.".into()],
     }
 }
 
@@ -70,7 +95,7 @@ fn cell(scores: &Scores, intervals: &Intervals, category: &str, metric: Metric) 
     let interval = estimate(intervals, category, metric).and_then(|estimate| estimate.interval);
     let percent = |value: f64| value * scale(metric);
     let interval = interval.map(|interval| [percent(interval.low), percent(interval.high)]);
-    Some(Cell { percent: percent(value), interval })
+    Some(Cell { value: percent(value), interval })
 }
 
 fn estimate<'i>(intervals: &'i Intervals, category: &str, metric: Metric) -> Option<&'i Estimate> {

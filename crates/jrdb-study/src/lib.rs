@@ -7,9 +7,9 @@ mod plan;
 mod table;
 mod write;
 
-pub use fill::{MethodResult, heading, table};
+pub use fill::{MethodResult, heading, parameter_table, table};
 pub use inject::{TRUTHS, Truths, Views, inject};
 pub use paper::{METRICS, Paper, Printed};
 pub use plan::{Data, Intervals, Method, Plan, PlanError, TablePlan};
-pub use table::{Cell, Mark, Origin, Role, Row, Table};
+pub use table::{Cell, Mark, Origin, Role, Row, Table, Unit};
 pub use write::{csv, latex, markdown, text};

@@ -53,7 +53,7 @@ impl Paper {
     /// let paper = jrdb_study::Paper::printed();
     /// let ours = &paper.tables[0].rows[6];
     /// assert_eq!(ours.method, "Our Framework");
-    /// assert_eq!(ours.cells[0].map(|cell| cell.percent), Some(16.53));
+    /// assert_eq!(ours.cells[0].map(|cell| cell.value), Some(16.53));
     /// ```
     #[must_use]
     pub fn printed() -> Self {
@@ -126,6 +126,7 @@ mod tests {
         let printed = paper.table(number).unwrap();
         let table = crate::Table {
             title: String::new(),
+            unit: crate::Unit::Percent,
             categories: printed.categories.clone(),
             metrics: METRICS.map(String::from).to_vec(),
             rows: printed.rows.clone(),
@@ -167,7 +168,7 @@ mod tests {
                     let rows = printed.rows_for(&[category.into()]);
                     let row = rows.iter().find(|row| row.method == method).unwrap();
                     let at = METRICS.iter().position(|name| *name == metric).unwrap();
-                    row.cells[at].unwrap().percent
+                    row.cells[at].unwrap().value
                 }
                 None => paper.parameters.iter().find(|(name, _)| name == method).unwrap().1,
             };
@@ -182,6 +183,6 @@ mod tests {
         let paper = Paper::printed();
         let rows = paper.table("2").unwrap().rows_for(&["human".into(), "gender-age-race".into()]);
         assert_eq!(rows[1].cells[..2], [None, None]);
-        assert_eq!(rows[1].cells[2].map(|cell| cell.percent), Some(16.3));
+        assert_eq!(rows[1].cells[2].map(|cell| cell.value), Some(16.3));
     }
 }

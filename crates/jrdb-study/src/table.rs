@@ -37,12 +37,34 @@ pub enum Role {
     Method,
 }
 
+/// What the numbers of a table are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Unit {
+    /// Percent.
+    #[default]
+    Percent,
+    /// Thousand millions.
+    Billions,
+}
+
+impl Unit {
+    /// How a table states it.
+    #[must_use]
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Percent => "%",
+            Self::Billions => "billions",
+        }
+    }
+}
+
 /// One result.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Cell {
-    /// The value, in percent.
-    pub percent: f64,
-    /// Its 95 % interval, in percent, where there is one.
+    /// The value, in the table's unit.
+    pub value: f64,
+    /// Its 95 % interval, in the table's unit, where there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub interval: Option<[f64; 2]>,
 }
@@ -50,11 +72,11 @@ pub struct Cell {
 impl Cell {
     /// A value without an interval.
     #[must_use]
-    pub fn plain(percent: f64) -> Self {
-        Self { percent, interval: None }
+    pub fn plain(value: f64) -> Self {
+        Self { value, interval: None }
     }
 
-    /// Half the width of the interval, in percentage points.
+    /// Half the width of the interval, in the table's unit.
     #[must_use]
     pub fn half_width(&self) -> Option<f64> {
         self.interval.map(|[low, high]| (high - low) / 2.0)
@@ -82,6 +104,9 @@ pub struct Row {
 pub struct Table {
     /// What it shows.
     pub title: String,
+    /// What its numbers are.
+    #[serde(default)]
+    pub unit: Unit,
     /// The categories of questions.
     pub categories: Vec<String>,
     /// The metrics shown of each category, by name.
@@ -116,12 +141,12 @@ impl Table {
         self.rows.iter().filter(move |row| row.origin == origin)
     }
 
-    /// The best value among the baselines of one origin, in percent. Numbers that are quoted and
+    /// The best value among the baselines of one origin. Numbers that are quoted and
     /// numbers that are measured here are never compared: they may be about different data.
     #[must_use]
     pub fn best_baseline(&self, origin: Origin, column: usize) -> Option<f64> {
         let baselines = self.rows_of(origin).filter(|row| row.role == Role::Baseline);
-        let values = baselines.filter_map(|row| Some(row.cells.get(column)?.as_ref()?.percent));
+        let values = baselines.filter_map(|row| Some(row.cells.get(column)?.as_ref()?.value));
         values.max_by(f64::total_cmp)
     }
 
@@ -133,10 +158,10 @@ impl Table {
             return Mark::default();
         };
         match row.role {
-            Role::Baseline => Mark { best_baseline: cell.percent == best, change_percent: None },
+            Role::Baseline => Mark { best_baseline: cell.value == best, change_percent: None },
             Role::Method => Mark {
                 best_baseline: false,
-                change_percent: (best > 0.0).then(|| (cell.percent / best - 1.0) * 100.0),
+                change_percent: (best > 0.0).then(|| (cell.value / best - 1.0) * 100.0),
             },
         }
     }
@@ -153,7 +178,8 @@ mod tests {
 
     fn table(rows: Vec<Row>) -> Table {
         let (categories, metrics) = (vec!["age".into()], vec!["mAP".into()]);
-        Table { title: "t".into(), categories, metrics, rows, notes: Vec::new() }
+        let unit = Unit::Percent;
+        Table { title: "t".into(), unit, categories, metrics, rows, notes: Vec::new() }
     }
 
     #[test]

@@ -21,8 +21,14 @@ const FAILED: &str = "failed";
 
 /// A value with half the width of its interval: `16.53 ±1.20`.
 fn value(cell: &Cell) -> String {
-    let value = format!("{:.2}", cell.percent);
+    let value = number(cell.value);
     cell.half_width().map_or_else(|| value.clone(), |half| format!("{value} ±{half:.2}"))
+}
+
+/// A number with two decimals; of small ones two digits.
+fn number(value: f64) -> String {
+    const SMALL: f64 = 0.1;
+    if value != 0.0 && value.abs() < SMALL { format!("{value:.4}") } else { format!("{value:.2}") }
 }
 
 /// Whether a change goes up or down, as far as one decimal tells.
@@ -45,7 +51,7 @@ fn change(mark: &Mark) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Origin, Role, Row, Table};
+    use crate::table::{Origin, Role, Row, Table, Unit};
 
     fn row(method: &str, role: Role, origin: Origin, cells: &[Option<Cell>]) -> Row {
         Row { method: method.into(), role, origin, cells: cells.to_vec(), failure: None }
@@ -53,13 +59,14 @@ mod tests {
 
     fn example() -> Table {
         let plain = |percent| Some(Cell::plain(percent));
-        let sure = Some(Cell { percent: 40.0, interval: Some([37.5, 42.5]) });
+        let sure = Some(Cell { value: 40.0, interval: Some([37.5, 42.5]) });
         let failed = Row {
             failure: Some("no weights".into()),
             ..row("broken", Role::Method, Origin::Measured, &[None, None, None, None])
         };
         Table {
             title: "Ages, and more".into(),
+            unit: Unit::Percent,
             categories: vec!["age".into(), "gender-age-race-distance-SR/robot".into()],
             metrics: vec!["mAP".into(), "mIoU".into()],
             rows: vec![

@@ -58,6 +58,7 @@ pub(crate) fn study(args: &StudyArgs) -> Result<ExitCode> {
     for table in &result.tables {
         say(&format!("{}\n", jrdb_study::text(table)))?;
     }
+    say(&format!("{}\n", jrdb_study::text(&result.parameters)))?;
     say(&budget_text(&result.budget))?;
     say(&format!("tables are in {}\n", args.out.display()))?;
     for (method, why) in &result.failures {

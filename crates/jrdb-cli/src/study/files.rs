@@ -1,17 +1,15 @@
 //! What a study leaves in its folder.
 //!
 //! `methods/NAME/scores.json` and, for each recording, `methods/NAME/recordings/RECORDING.json`;
-//! `table-N.txt`, `.md`, `.tex`, `.csv` and `study.json`; `timings.json`, which alone differs from run
+//! `table-N.txt`, `.md`, `.tex`, `.csv`, the same of `parameters`, and `study.json`; `timings.json`, which alone differs from run
 //! to run.
-
-use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 use jrdb_study::{Mark, Plan, Table};
 use jrdb_types::{Artefact, Scores};
 use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
 
-use super::result::{StudyResult, budget_text};
+use super::result::{StudyResult, Timing, budget_text};
 use crate::Error;
 use crate::output::write;
 
@@ -46,24 +44,47 @@ pub(super) fn write_scores(out: &Path, method: &str, scores: &Scores) -> Result<
     write(&path, Artefact::new(json!({}), scores.clone()).to_json().as_bytes())
 }
 
-/// Notes how long a method took. Recordings that were there before take no time.
-pub(super) fn write_timing(out: &Path, method: &str, took: Duration) -> Result<(), Error> {
+/// Writes what a method came to on parts of the questions, and whether its probabilities are what
+/// they say.
+pub(super) fn write_slices(
+    out: &Path,
+    method: &str,
+    slices: &Table,
+    scores: &Scores,
+) -> Result<(), Error> {
+    let folder = method_folder(out, method);
+    write_table(&folder, "slices", slices)?;
+    let reliability = jrdb_metrics::reliability(&scores.questions);
+    write(&folder.join("reliability.txt"), jrdb_render::reliability(&reliability).as_bytes())
+}
+
+/// Notes how long a method took for so many frames and questions, and the peak memory of the
+/// process so far. Recordings that were there before are not noted.
+pub(super) fn write_timing(out: &Path, method: &str, timing: &Timing) -> Result<(), Error> {
+    if timing.frames == 0 {
+        return Ok(());
+    }
     let path = out.join("timings.json");
     let there = std::fs::read_to_string(&path).unwrap_or_default();
     let mut timings: Value = serde_json::from_str(&there).unwrap_or_else(|_| json!({}));
-    timings[method] = json!({ "seconds": took.as_secs_f64() });
+    let ms = timing.took.as_secs_f64() * 1e3;
+    timings[method] = json!({
+        "seconds": timing.took.as_secs_f64(),
+        "frames": timing.frames,
+        "questions": timing.questions,
+        "ms_per_frame": ms / timing.frames as f64,
+        "ms_per_question": ms / timing.questions.max(1) as f64,
+        "peak_memory_bytes": jrdb_models::profile::peak_memory(),
+    });
     write_json(&path, &timings)
 }
 
 /// Writes the tables and the error budget.
 pub(super) fn write_study(out: &Path, plan: &Plan, result: &StudyResult) -> Result<(), Error> {
     for (number, table) in (1..).zip(&result.tables) {
-        let file = |extension: &str| out.join(format!("table-{number}.{extension}"));
-        write(&file("txt"), jrdb_study::text(table).as_bytes())?;
-        write(&file("md"), jrdb_study::markdown(table).as_bytes())?;
-        write(&file("tex"), jrdb_study::latex(table).as_bytes())?;
-        write(&file("csv"), jrdb_study::csv(table).as_bytes())?;
+        write_table(out, &format!("table-{number}"), table)?;
     }
+    write_table(out, "parameters", &result.parameters)?;
     if !result.budget.is_empty() {
         write(&out.join("error-budget.txt"), budget_text(&result.budget).as_bytes())?;
     }
@@ -76,10 +97,19 @@ pub(super) fn write_study(out: &Path, plan: &Plan, result: &StudyResult) -> Resu
         "title": plan.title,
         "intervals": plan.intervals,
         "tables": result.tables.iter().map(with_marks).collect::<Vec<_>>(),
+        "parameters": with_marks(&result.parameters),
         "error_budget": budget.collect::<serde_json::Map<_, _>>(),
         "failures": result.failures,
     });
     write_json(&out.join("study.json"), &document)
+}
+
+fn write_table(out: &Path, name: &str, table: &Table) -> Result<(), Error> {
+    let file = |extension: &str| out.join(format!("{name}.{extension}"));
+    write(&file("txt"), jrdb_study::text(table).as_bytes())?;
+    write(&file("md"), jrdb_study::markdown(table).as_bytes())?;
+    write(&file("tex"), jrdb_study::latex(table).as_bytes())?;
+    write(&file("csv"), jrdb_study::csv(table).as_bytes())
 }
 
 /// A table with what each of its cells is among the others.

@@ -4,18 +4,19 @@ mod error_budget;
 mod files;
 mod recording;
 mod result;
+mod slices;
 
 pub use result::{StudyResult, budget_text};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use jrdb_metrics::{BootstrapConfig, MetricsConfig};
 use jrdb_models::loader::EngineOptions;
+use jrdb_models::parameters::parameters;
 use jrdb_pipeline::PipelineConfig;
 use jrdb_study::{Method, MethodResult, Paper, Plan, Table, TablePlan};
-use jrdb_types::{Questions, Scores};
+use jrdb_types::{FrameId, Questions, Scores};
 
 use crate::interrupt::Interrupt;
 use crate::run::metrics_config;
@@ -62,6 +63,7 @@ pub struct Study<'o> {
     options: &'o StudyOptions,
     plan: Plan,
     sources: Vec<Source>,
+    questions: Questions,
     questions_digest: String,
 }
 
@@ -75,13 +77,13 @@ impl<'o> Study<'o> {
         let text = std::fs::read_to_string(path).map_err(|e| Error::file("read", path, e))?;
         let plan = Plan::from_yaml(&text)
             .map_err(|error| Error::Usage(format!("{}: {error}", path.display())))?;
-        let (sources, questions_digest) = (Vec::new(), String::new());
-        let mut study = Self { options, plan, sources, questions_digest };
+        let (sources, questions, questions_digest) = Default::default();
+        let mut study = Self { options, plan, sources, questions, questions_digest };
         study.take_paths()?;
         study.sources = study.find_sources()?;
-        let questions = study.questions()?;
-        study.check_categories(&questions)?;
-        study.questions_digest = answers::questions_digest(&questions.questions);
+        study.questions = study.read_questions()?;
+        study.check_categories()?;
+        study.questions_digest = answers::questions_digest(&study.questions.questions);
         Ok(study)
     }
 
@@ -106,9 +108,9 @@ impl<'o> Study<'o> {
     }
 
     /// Whether every category of a table is one of a question or of the paper.
-    fn check_categories(&self, questions: &Questions) -> Result<(), Error> {
+    fn check_categories(&self) -> Result<(), Error> {
         let asked: BTreeSet<&str> =
-            questions.questions.iter().map(|question| question.category.as_str()).collect();
+            self.questions.questions.iter().map(|question| question.category.as_str()).collect();
         for table in &self.plan.tables {
             let unknown = |name: &&String| !asked.contains(name.as_str()) && !is_printed(name);
             if let Some(name) = table.categories.iter().find(unknown) {
@@ -141,10 +143,7 @@ impl<'o> Study<'o> {
     pub fn execute(&self, mut on_step: impl FnMut(&Step<'_>)) -> Result<StudyResult, Error> {
         let mut results = Vec::new();
         for method in &self.plan.methods {
-            let started = Instant::now();
-            let result = self.method(method, &mut on_step)?;
-            files::write_timing(&self.options.out, &method.name, started.elapsed())?;
-            results.push(result);
+            results.push(self.method(method, &mut on_step)?);
         }
         let measured: Vec<(&Method, &MethodResult)> =
             self.plan.methods.iter().zip(&results).collect();
@@ -156,9 +155,24 @@ impl<'o> Study<'o> {
             MethodResult::Failed(why) => Some((method.name.clone(), why.clone())),
             MethodResult::Scored(..) => None,
         });
-        let result = StudyResult { failures: failures.collect(), tables, budget };
+        let (failures, parameters) = (failures.collect(), self.parameters());
+        let result = StudyResult { failures, tables, parameters, budget };
         files::write_study(&self.options.out, &self.plan, &result)?;
         Ok(result)
+    }
+
+    /// The parameters of the models that the methods use, as far as their files are there.
+    fn parameters(&self) -> Table {
+        let counted = parameters(&self.options.engine.models);
+        let backbones = counted.map(|report| report.backbones).unwrap_or_default();
+        let count = |method: &Method| {
+            let source = method.perception.as_ref()?;
+            let backbone = backbones.iter().find(|one| one.name == *source)?;
+            let is_complete = backbone.missing.is_empty();
+            is_complete.then(|| (method.name.clone(), backbone.count.parameters as f64 / 1e9))
+        };
+        let counts: Vec<_> = self.plan.methods.iter().filter_map(count).collect();
+        jrdb_study::parameter_table(&counts)
     }
 
     /// The scores of one method, or why it has none.
@@ -178,6 +192,8 @@ impl<'o> Study<'o> {
             Ok(mut scores) => {
                 scores.protocol.questions_digest = Some(self.questions_digest.clone());
                 files::write_scores(&self.options.out, &method.name, &scores)?;
+                let slices = slices::table(&method.name, &self.questions.questions, &scores);
+                files::write_slices(&self.options.out, &method.name, &slices, &scores)?;
                 let bootstrap = self.bootstrap();
                 let intervals = jrdb_metrics::intervals(&scores, &bootstrap);
                 Ok(MethodResult::Scored(Box::new(scores), intervals))
@@ -252,8 +268,16 @@ impl<'o> Study<'o> {
         Ok(names.into_iter().map(|name| Source::Sequence { root: root.clone(), name }).collect())
     }
 
-    /// All questions of the study.
-    fn questions(&self) -> Result<Questions, Error> {
+    /// The questions about the frames of the study.
+    fn read_questions(&self) -> Result<Questions, Error> {
+        let frames = self.frame_sources()?;
+        let frames: BTreeSet<&FrameId> = frames.iter().map(|frame| &frame.id).collect();
+        let mut asked = self.all_questions()?;
+        asked.questions.retain(|question| frames.contains(&question.frame));
+        Ok(asked)
+    }
+
+    fn all_questions(&self) -> Result<Questions, Error> {
         if let Some(path) = &self.plan.data.questions {
             return Ok(jrdb_dataset::read_questions(&self.path(path))?);
         }
@@ -277,10 +301,9 @@ impl<'o> Study<'o> {
     fn answers_of(&self, method: &Method) -> Result<Scores, Error> {
         let specs: Vec<String> =
             method.answers.iter().map(|spec| self.path(spec).display().to_string()).collect();
-        let questions = self.questions()?;
         let metrics = self.metrics()?;
         let loaded = answers::load_answers(&specs)?;
-        let matched = answers::match_answers(&questions.questions, loaded)?;
+        let matched = answers::match_answers(&self.questions.questions, loaded)?;
         Ok(matched.scores(&metrics))
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
+use std::time::Instant;
 
 use jrdb_metrics::{from_judgements, merge};
 use jrdb_models::sha256_hex;
@@ -9,6 +10,7 @@ use jrdb_study::Method;
 use jrdb_types::score::QuestionScore;
 use jrdb_types::{FrameId, Scores};
 
+use super::result::Timing;
 use super::{Step, Study, files};
 use crate::questions::Answered;
 use crate::run::Run;
@@ -31,6 +33,7 @@ impl Study<'_> {
         run.keep(|recording| !shelf.known.contains_key(recording));
         let counts = run.frame_counts();
         let mut trouble = None;
+        let started = Instant::now();
         let summary = run.execute(|result| {
             let recording = result.id.sequence.clone();
             trouble = shelf.add(result).err();
@@ -45,6 +48,9 @@ impl Study<'_> {
         if summary.is_cut_short {
             return Err(Error::Usage("interrupted before the last recording".into()));
         }
+        let questions = shelf.questions + summary.recordings.len();
+        let timing = Timing { took: started.elapsed(), frames: run.frame_count(), questions };
+        files::write_timing(&self.options.out, &method.name, &timing)?;
         shelf.finish(&summary.recordings, &run)
     }
 }
@@ -57,6 +63,8 @@ struct Shelf<'s> {
     digests: Vec<(String, String)>,
     known: BTreeMap<String, Scores>,
     judged: BTreeMap<String, (usize, Vec<QuestionScore>)>,
+    /// How many questions about frames have been answered.
+    questions: usize,
 }
 
 impl<'s> Shelf<'s> {
@@ -70,7 +78,8 @@ impl<'s> Shelf<'s> {
             let path = files::recording(&study.options.out, &method.name, name);
             Some((name.clone(), files::known_scores(&path, digest)?))
         });
-        Self { study, method, known: known.collect(), digests, judged: BTreeMap::new() }
+        let (known, judged) = (known.collect(), BTreeMap::new());
+        Self { study, method, known, digests, judged, questions: 0 }
     }
 
     /// How many frames of a recording have been judged.
@@ -82,6 +91,7 @@ impl<'s> Shelf<'s> {
         let output = output.map_err(|error| failed(&id, &error))?;
         let (frames, judged) = self.judged.entry(id.sequence).or_default();
         *frames += 1;
+        self.questions += output.answered.len();
         judged.extend(output.answered.into_iter().filter_map(|one| one.score));
         Ok(())
     }

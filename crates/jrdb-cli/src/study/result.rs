@@ -1,5 +1,7 @@
 //! What a study comes to.
 
+use std::time::Duration;
+
 use jrdb_study::Table;
 use jrdb_types::score::{Budget, Metric};
 
@@ -8,10 +10,22 @@ use jrdb_types::score::{Budget, Metric};
 pub struct StudyResult {
     /// Its tables.
     pub tables: Vec<Table>,
+    /// The parameters of the models.
+    pub parameters: Table,
     /// The gap of one method, split among the stages, by metric.
     pub budget: Vec<(Metric, Budget)>,
     /// Methods that failed, and why.
     pub failures: Vec<(String, String)>,
+}
+
+/// How long frames and questions took.
+pub(super) struct Timing {
+    /// From the first frame to the last.
+    pub(super) took: Duration,
+    /// How many frames.
+    pub(super) frames: usize,
+    /// How many questions.
+    pub(super) questions: usize,
 }
 
 /// The error budgets in words.

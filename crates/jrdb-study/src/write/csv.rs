@@ -6,12 +6,12 @@ use crate::table::Table;
 
 /// The table as comma-separated values, one line per cell.
 ///
-/// Columns: table, origin, role, method, category, metric, percent, low, high, best_baseline,
+/// Columns: table, origin, role, method, category, metric, unit, value, low, high, best_baseline,
 /// change_percent, failure. Numbers have all their digits; what is absent is empty.
 #[must_use]
 pub fn csv(table: &Table) -> String {
     let mut out = String::from(
-        "table,origin,role,method,category,metric,percent,low,high,best_baseline,change_percent,\
+        "table,origin,role,method,category,metric,unit,value,low,high,best_baseline,change_percent,\
          failure\n",
     );
     for row in &table.rows {
@@ -27,7 +27,8 @@ pub fn csv(table: &Table) -> String {
                 quoted(&row.method),
                 quoted(category),
                 quoted(metric),
-                number(cell.map(|cell| cell.percent)),
+                name(&table.unit),
+                number(cell.map(|cell| cell.value)),
                 low,
                 high,
                 mark.best_baseline.to_string(),

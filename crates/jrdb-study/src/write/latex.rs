@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::fmt::Write as _;
 
-use super::{FAILED, NOTHING, direction};
+use super::{FAILED, NOTHING, direction, number};
 use crate::table::{Cell, Mark, Origin, Row, Table};
 
 /// The table in LaTeX, with the packages `booktabs` and `amssymb`: the best baseline of each column
@@ -50,7 +50,7 @@ fn line(table: &Table, row: &Row) -> String {
 }
 
 fn cell_text(cell: &Cell, mark: &Mark) -> String {
-    let value = format!("{:.2}", cell.percent);
+    let value = number(cell.value);
     let value = if mark.best_baseline { format!("\\textbf{{{value}}}") } else { value };
     let half = cell.half_width().map(|half| format!(" $\\pm$ {half:.2}")).unwrap_or_default();
     let change = mark.change_percent.map(|percent| {

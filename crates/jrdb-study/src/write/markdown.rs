@@ -9,7 +9,7 @@ use crate::table::{Origin, Row, Table};
 /// against it in percent as a superscript.
 #[must_use]
 pub fn markdown(table: &Table) -> String {
-    let mut out = format!("**{}** (%)\n\n", table.title);
+    let mut out = format!("**{}** ({})\n\n", table.title, table.unit.symbol());
     let columns = table.columns().map(|(category, metric)| format!(" {category}<br>{metric} |"));
     let _ = writeln!(out, "| method |{}", columns.collect::<String>());
     let _ = writeln!(out, "|---|{}", "---:|".repeat(table.columns().count()));

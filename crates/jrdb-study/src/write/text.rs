@@ -41,7 +41,7 @@ fn categories(table: &Table) -> Vec<String> {
 
 fn metrics(table: &Table) -> Vec<String> {
     let names = table.columns().map(|(_, metric)| metric.to_owned());
-    std::iter::once("%".to_owned()).chain(names).collect()
+    std::iter::once(table.unit.symbol().to_owned()).chain(names).collect()
 }
 
 fn cells(table: &Table, row: &Row) -> Vec<String> {
