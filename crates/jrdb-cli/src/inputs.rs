@@ -32,6 +32,19 @@ impl Inputs {
         inputs
     }
 
+    /// The sizes of the images and sweeps of frames, by their places in the tree: of thousands of
+    /// frames these are known at once, and digests are not.
+    #[must_use]
+    pub fn sizes(frames: &[FrameSource]) -> BTreeMap<String, u64> {
+        let files = frames.iter().flat_map(|frame| {
+            let lidars = &frame.robot.rig().lidars;
+            let files = frame.dataset.frame_files(&frame.id.sequence, frame.id.frame, lidars);
+            files.into_iter().map(|path| (place(&path, frame.dataset.root()), path))
+        });
+        let size = |path: &Path| std::fs::metadata(path).map_or(0, |file| file.len());
+        files.map(|(name, path)| (name, size(&path))).collect()
+    }
+
     /// What the frames of a run share: calibration, labels, a rig file, a file of detections or replies.
     #[must_use]
     pub fn shared(frames: &[FrameSource], rig: &RigChoice, perception: &PerceptionSource) -> Self {

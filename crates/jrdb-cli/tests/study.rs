@@ -108,6 +108,41 @@ fn a_method_that_fails_is_a_row_and_the_rest_is_written() {
 }
 
 #[test]
+fn questions_about_a_frame_that_fails_are_missed_and_the_other_recordings_count() {
+    let folder = TempDir::new().unwrap();
+    let broken = folder.path().join("plaza");
+    copy(&testdata().join("scenes/plaza"), &broken);
+    let labels = broken.join("labels/labels_2d_stitched/plaza_0.json");
+    std::fs::write(labels, "no labels").unwrap();
+    let path = plan(&folder, &["plaza", "cafe"], "");
+    let whole = testdata().join("scenes/plaza").display().to_string();
+    let text_of_plan = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, text_of_plan.replace(&whole, &broken.display().to_string())).unwrap();
+    let ran = study(&path, &folder.path().join("out"), &[]);
+    assert_eq!(ran.status.code(), Some(1));
+    let said = text(&ran.stderr);
+    let failed = "labels: a frame failed, questions about it are missed: plaza_0";
+    assert!(said.contains(failed), "{said}");
+    let slices = folder.path().join("out/methods/labels/slices.txt");
+    let slices = std::fs::read_to_string(slices).unwrap();
+    let row = |name: &str| slices.lines().find(|line| line.contains(name)).unwrap().to_owned();
+    assert!(row("cafe_0").contains("100.00") && row("plaza_0 (43)").contains(" 0.00"), "{slices}");
+}
+
+fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let entry = entry.unwrap();
+        let (path, copied) = (entry.path(), to.join(entry.file_name()));
+        if path.is_dir() {
+            copy(&path, &copied);
+        } else {
+            std::fs::copy(&path, &copied).unwrap();
+        }
+    }
+}
+
+#[test]
 fn what_a_plan_names_and_is_not_there_is_told_with_what_is() {
     let folder = TempDir::new().unwrap();
     let table = "tables: [{title: t, categories: [ages]}]\n";

@@ -2,11 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use jrdb_types::score::Protocol;
-use serde_json::Value;
+use jrdb_metrics::evaluate_all;
+use jrdb_types::score::{Protocol, QuestionScore};
+use jrdb_types::{FrameId, Question};
+use serde_json::{Value, json};
 
 use super::Run;
 use crate::description::{Work, describe};
+use crate::inputs::Inputs;
 use crate::questions::{FrameQuestions, ReadQuestion};
 
 impl Run<'_> {
@@ -56,7 +59,19 @@ impl Run<'_> {
         let (robot, source) = (&self.options.robot, &self.options.perception);
         let perception = &self.perception;
         let work = Work { frames: &frames, questions: &questions, robot, source, perception };
-        describe(&work, &self.options.described())
+        let mut described = describe(&work, &self.options.described());
+        described["file_sizes"] = json!(Inputs::sizes(&frames));
+        described
+    }
+
+    /// The judgements of the questions of a frame that could not be done: they are missed.
+    #[must_use]
+    pub fn missed(&self, frame: &FrameId) -> Vec<QuestionScore> {
+        let mut all = self.frames.iter().zip(&self.questions.per_frame);
+        let own = all.find(|(source, _)| source.id == *frame).map(|(_, questions)| questions);
+        let of_now = own.into_iter().flatten().filter(|one| !one.speaks_of_time());
+        let questions: Vec<&Question> = of_now.map(|one| &one.question).collect();
+        evaluate_all(&[], &questions, &self.metrics).questions
     }
 
     /// By which rules answers are judged. Which questions are asked is no part of it.

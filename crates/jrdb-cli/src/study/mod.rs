@@ -141,9 +141,11 @@ impl<'o> Study<'o> {
     /// # Errors
     /// When results cannot be written, or the study is interrupted.
     pub fn execute(&self, mut on_step: impl FnMut(&Step<'_>)) -> Result<StudyResult, Error> {
-        let mut results = Vec::new();
+        let (mut results, mut failures) = (Vec::new(), Vec::new());
         for method in &self.plan.methods {
-            results.push(self.method(method, &mut on_step)?);
+            let (result, failed) = self.method(method, &mut on_step)?;
+            failures.extend(failed.map(|why| (method.name.clone(), why)));
+            results.push(result);
         }
         let measured: Vec<(&Method, &MethodResult)> =
             self.plan.methods.iter().zip(&results).collect();
@@ -151,11 +153,7 @@ impl<'o> Study<'o> {
         let tables: Vec<Table> =
             plans.iter().map(|plan| jrdb_study::table(plan, &measured)).collect();
         let budget = self.budget(&mut on_step)?;
-        let failures = measured.iter().filter_map(|(method, result)| match result {
-            MethodResult::Failed(why) => Some((method.name.clone(), why.clone())),
-            MethodResult::Scored(..) => None,
-        });
-        let (failures, parameters) = (failures.collect(), self.parameters());
+        let parameters = self.parameters();
         let result = StudyResult { failures, tables, parameters, budget };
         files::write_study(&self.options.out, &self.plan, &result)?;
         Ok(result)
@@ -175,31 +173,34 @@ impl<'o> Study<'o> {
         jrdb_study::parameter_table(&counts)
     }
 
-    /// The scores of one method, or why it has none.
+    /// The scores of one method, or why it has none; and what failed.
     fn method(
         &self,
         method: &Method,
         on_step: &mut impl FnMut(&Step<'_>),
-    ) -> Result<MethodResult, Error> {
+    ) -> Result<(MethodResult, Option<String>), Error> {
         let scores = match method.answers.is_empty() {
             true => self.recordings(method, on_step),
             false => {
                 on_step(&Step { method: &method.name, what: "answers".into() });
-                self.answers_of(method)
+                self.answers_of(method).map(|scores| (scores, None))
             }
         };
         match scores {
-            Ok(mut scores) => {
+            Ok((mut scores, failed)) => {
                 scores.protocol.questions_digest = Some(self.questions_digest.clone());
                 files::write_scores(&self.options.out, &method.name, &scores)?;
                 let slices = slices::table(&method.name, &self.questions.questions, &scores);
                 files::write_slices(&self.options.out, &method.name, &slices, &scores)?;
                 let bootstrap = self.bootstrap();
                 let intervals = jrdb_metrics::intervals(&scores, &bootstrap);
-                Ok(MethodResult::Scored(Box::new(scores), intervals))
+                Ok((MethodResult::Scored(Box::new(scores), intervals), failed))
             }
             Err(error) if self.options.interrupt.came().is_some() => Err(error),
-            Err(error) => Ok(MethodResult::Failed(jrdb_types::with_causes(&error))),
+            Err(error) => {
+                let why = jrdb_types::with_causes(&error);
+                Ok((MethodResult::Failed(why.clone()), Some(why)))
+            }
         }
     }
 

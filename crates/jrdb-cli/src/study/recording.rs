@@ -18,12 +18,12 @@ use crate::run_options::RunOptions;
 use crate::{Error, FrameResult};
 
 impl Study<'_> {
-    /// The scores of all recordings of a method. Models are loaded once.
+    /// The scores of all recordings of a method, and which frames failed. Models are loaded once.
     pub(super) fn recordings(
         &self,
         method: &Method,
         on_step: &mut impl FnMut(&Step<'_>),
-    ) -> Result<Scores, Error> {
+    ) -> Result<(Scores, Option<String>), Error> {
         let options = RunOptions { sources: self.sources.clone(), ..self.run_options(method)? };
         let mut run = Run::open(&options)?;
         let mut shelf = Shelf::new(self, method, &run);
@@ -36,9 +36,9 @@ impl Study<'_> {
         let started = Instant::now();
         let summary = run.execute(|result| {
             let recording = result.id.sequence.clone();
-            trouble = shelf.add(result).err();
+            shelf.add(result, &run);
             let is_done = shelf.frames(&recording) == counts[&recording];
-            if trouble.is_none() && is_done {
+            if is_done {
                 on_step(&Step { method: &method.name, what: recording.clone() });
                 trouble = shelf.put(&recording, &run).err();
             }
@@ -51,7 +51,8 @@ impl Study<'_> {
         let questions = shelf.questions + summary.recordings.len();
         let timing = Timing { took: started.elapsed(), frames: run.frame_count(), questions };
         files::write_timing(&self.options.out, &method.name, &timing)?;
-        shelf.finish(&summary.recordings, &run)
+        let failed = shelf.failures();
+        Ok((shelf.finish(&summary.recordings, &run)?, failed))
     }
 }
 
@@ -65,6 +66,8 @@ struct Shelf<'s> {
     judged: BTreeMap<String, (usize, Vec<QuestionScore>)>,
     /// How many questions about frames have been answered.
     questions: usize,
+    /// Frames that could not be done, and why.
+    failed: Vec<(FrameId, String)>,
 }
 
 impl<'s> Shelf<'s> {
@@ -79,7 +82,17 @@ impl<'s> Shelf<'s> {
             Some((name.clone(), files::known_scores(&path, digest)?))
         });
         let (known, judged) = (known.collect(), BTreeMap::new());
-        Self { study, method, known, digests, judged, questions: 0 }
+        Self { study, method, known, digests, judged, questions: 0, failed: Vec::new() }
+    }
+
+    /// Which frames failed, in words.
+    fn failures(&self) -> Option<String> {
+        let (first, why) = self.failed.first()?;
+        let frames = match self.failed.len() {
+            1 => "a frame".to_owned(),
+            count => format!("{count} frames, the first"),
+        };
+        Some(format!("{frames} failed, questions about it are missed: {first}: {why}"))
     }
 
     /// How many frames of a recording have been judged.
@@ -87,18 +100,28 @@ impl<'s> Shelf<'s> {
         self.judged.get(recording).map_or(0, |(frames, _)| *frames)
     }
 
-    fn add(&mut self, FrameResult { id, output }: FrameResult) -> Result<(), Error> {
-        let output = output.map_err(|error| failed(&id, &error))?;
+    /// Adds what a frame came to. The questions of one that failed are missed.
+    fn add(&mut self, FrameResult { id, output }: FrameResult, run: &Run<'_>) {
+        let scores: Vec<QuestionScore> = match output {
+            Ok(output) => {
+                self.questions += output.answered.len();
+                output.answered.into_iter().filter_map(|one| one.score).collect()
+            }
+            Err(error) => {
+                self.failed.push((id.clone(), jrdb_types::with_causes(&error)));
+                run.missed(&id)
+            }
+        };
         let (frames, judged) = self.judged.entry(id.sequence).or_default();
         *frames += 1;
-        self.questions += output.answered.len();
-        judged.extend(output.answered.into_iter().filter_map(|one| one.score));
-        Ok(())
+        judged.extend(scores);
     }
 
-    /// Stores the scores of a recording that is complete: one without questions about time.
+    /// Stores the scores of a recording that is complete: one without questions about time, of which
+    /// no frame failed.
     fn put(&mut self, recording: &str, run: &Run<'_>) -> Result<(), Error> {
-        if run.asks_about_time(recording) {
+        let has_failed = self.failed.iter().any(|(frame, _)| frame.sequence == recording);
+        if has_failed || run.asks_about_time(recording) {
             return Ok(());
         }
         let (_, judged) = self.judged.remove(recording).unwrap_or_default();
@@ -128,8 +151,4 @@ impl<'s> Shelf<'s> {
         }
         Ok(merged)
     }
-}
-
-fn failed(frame: &FrameId, error: &Error) -> Error {
-    Error::Usage(format!("{frame}: {}", jrdb_types::with_causes(error)))
 }

@@ -14,7 +14,7 @@ pub struct StudyResult {
     pub parameters: Table,
     /// The gap of one method, split among the stages, by metric.
     pub budget: Vec<(Metric, Budget)>,
-    /// Methods that failed, and why.
+    /// Methods that failed, or of which frames failed, and why.
     pub failures: Vec<(String, String)>,
 }
 
