@@ -269,26 +269,9 @@ impl<S: Source> Scan<S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::onnx_wire::written::{bytes, number};
     use super::*;
     use std::io::Cursor;
-
-    fn varint(mut n: u64) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        while n > 0x7f {
-            bytes.push(n as u8 & 0x7f | 0x80);
-            n >>= 7;
-        }
-        bytes.push(n as u8);
-        bytes
-    }
-
-    fn number(field: u64, value: u64) -> Vec<u8> {
-        [varint(field << 3), varint(value)].concat()
-    }
-
-    fn bytes(field: u64, value: &[u8]) -> Vec<u8> {
-        [varint(field << 3 | 2), varint(value.len() as u64), value.to_vec()].concat()
-    }
 
     fn tensor(name: &str, dims: &[u64], raw: &[i64]) -> Vec<u8> {
         let dims: Vec<u8> = dims.iter().flat_map(|length| number(1, *length)).collect();

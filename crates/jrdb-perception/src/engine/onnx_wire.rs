@@ -149,3 +149,25 @@ impl<S: Source> Wire<S> {
         Err(broken())
     }
 }
+
+/// Fields written by hand, for tests.
+#[cfg(test)]
+pub(super) mod written {
+    pub(in crate::engine) fn varint(mut n: u64) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        while n > 0x7f {
+            bytes.push(n as u8 & 0x7f | 0x80);
+            n >>= 7;
+        }
+        bytes.push(n as u8);
+        bytes
+    }
+
+    pub(in crate::engine) fn number(field: u64, value: u64) -> Vec<u8> {
+        [varint(field << 3), varint(value)].concat()
+    }
+
+    pub(in crate::engine) fn bytes(field: u64, value: &[u8]) -> Vec<u8> {
+        [varint(field << 3 | 2), varint(value.len() as u64), value.to_vec()].concat()
+    }
+}

@@ -1,5 +1,6 @@
 //! Hand-made files with everything that misleads a count.
 
+use super::super::onnx_wire::written::{bytes, number};
 use super::*;
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -11,24 +12,6 @@ const INT32: u64 = 6;
 const INT64: u64 = 7;
 const FLOAT16: u64 = 10;
 const INT4: u64 = 22;
-
-fn varint(mut n: u64) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    while n > 0x7f {
-        bytes.push(n as u8 & 0x7f | 0x80);
-        n >>= 7;
-    }
-    bytes.push(n as u8);
-    bytes
-}
-
-fn number(field: u64, value: u64) -> Vec<u8> {
-    [varint(field << 3), varint(value)].concat()
-}
-
-fn bytes(field: u64, value: &[u8]) -> Vec<u8> {
-    [varint(field << 3 | 2), varint(value.len() as u64), value.to_vec()].concat()
-}
 
 fn text(field: u64, value: &str) -> Vec<u8> {
     bytes(field, value.as_bytes())
