@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use jrdb_dataset::{GivenAnswer, read_answers};
 use jrdb_metrics::{MetricsConfig, Outcome, evaluate_all};
 use jrdb_models::sha256_hex;
-use jrdb_types::{Answer, FrameId, Question, Scores};
+use jrdb_types::answer::Ranked;
+use jrdb_types::{Answer, FrameId, Question, Scores, Truth};
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -97,7 +98,7 @@ fn find_answers(folder: &Path, files: &mut Vec<PathBuf>) -> Result<(), Error> {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Matched {
     /// Questions with their answers, in the order of the questions. Where an answer does not name
-    /// what it selects, the truth's names are left out.
+    /// what it selects as the truth does, the truth's names are left out: boxes decide.
     pub answered: Vec<(Question, Answer)>,
     /// Questions without an answer.
     pub unanswered: Vec<Question>,
@@ -160,12 +161,21 @@ pub fn match_answers(questions: &[Question], answers: Vec<Loaded>) -> Result<Mat
 }
 
 fn pair(question: &Question, given: GivenAnswer) -> (Question, Answer) {
-    let mut question = question.clone();
-    if let (false, Some(truth)) = (given.is_named(), &mut question.truth) {
+    let (mut question, is_named) = (question.clone(), given.is_named());
+    let answer = given.to(&question);
+    if let Some(truth) = &mut question.truth
+        && !truth.boxes.is_empty()
+        && !(is_named && shares_names(truth, &answer))
+    {
         truth.ids.clear();
     }
-    let answer = given.to(&question);
     (question, answer)
+}
+
+/// Whether an answer names things as the truth does: models number people in their own way.
+fn shares_names(truth: &Truth, answer: &Answer) -> bool {
+    let is_like = |ranked: &Ranked| truth.ids.iter().any(|id| id.class == ranked.id.class);
+    answer.ranking.iter().any(is_like)
 }
 
 fn twice(one: &Loaded, other: &Loaded) -> Error {
@@ -220,5 +230,47 @@ impl<'q> Index<'q> {
         let by_id = id.and_then(|id| self.by_id.get(&(frame, id)));
         let by_text = || self.by_text.get(&(frame, given.question.as_deref()?));
         by_id.or_else(by_text).map_or(&[], Vec::as_slice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use jrdb_dataset::GivenContent;
+    use jrdb_types::vocab::MatchPolicy;
+    use jrdb_types::{EntityId, LateralConvention, PixelBox, Query};
+
+    fn answer_of(class: &str) -> GivenAnswer {
+        let query = Query { text: "Who?".into(), ..Query::default() };
+        let (policy, lateral) = (MatchPolicy::Strict, LateralConvention::Physical);
+        let blank = Answer::new(FrameId::default(), &query, policy, lateral);
+        let (id, bbox) = (EntityId::new(class, 7), PixelBox::from([0.0, 0.0, 9.0, 9.0]));
+        let ranking = vec![Ranked { id: id.clone(), bbox, probability: 1.0 }];
+        let answer = Answer { selection: vec![id], ranking, ..blank };
+        GivenAnswer {
+            line: None,
+            frame: Some(FrameId::default()),
+            question_id: None,
+            question: Some("Who?".into()),
+            content: GivenContent::Named(Box::new(answer)),
+        }
+    }
+
+    fn exact(class: &str, truth: Truth) -> Option<bool> {
+        let question =
+            Question { truth: Some(truth), ..Question::typed("Who?", FrameId::default()) };
+        let loaded = Loaded { path: "answer.json".into(), given: answer_of(class) };
+        let matched = match_answers(&[question], vec![loaded]).unwrap();
+        matched.scores(&MetricsConfig::default()).questions[0].exact
+    }
+
+    #[test]
+    fn names_are_compared_where_they_are_of_one_kind_and_else_boxes() {
+        let ids = vec![EntityId::new("pedestrian", 1)];
+        let boxes = vec![PixelBox::from([0.0, 0.0, 9.0, 9.0])];
+        let truth = Truth { ids: ids.clone(), boxes, ..Truth::default() };
+        assert_eq!(exact("person", truth.clone()), Some(true));
+        assert_eq!(exact("pedestrian", truth), Some(false));
+        assert_eq!(exact("person", Truth { ids, ..Truth::default() }), Some(false));
     }
 }

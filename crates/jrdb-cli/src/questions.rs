@@ -90,7 +90,8 @@ impl FrameQuestions {
     pub fn forget_names(&mut self) {
         let all = self.per_frame.iter_mut().flatten();
         let truths = all.filter_map(|one| one.question.truth.as_mut());
-        truths.for_each(|truth| truth.ids.clear());
+        // Where the truth has names only, they are all that can be compared.
+        truths.filter(|truth| !truth.boxes.is_empty()).for_each(|truth| truth.ids.clear());
     }
 
     /// All queries.
