@@ -115,7 +115,8 @@ impl Pipeline {
         let nothing = Detections { detections: Vec::new(), ..detections.clone() };
         let placed = self.place_detections(frame, nothing)?;
         let placements = vec![Placement::UNKNOWN; detections.detections.len()];
-        let issues = [placed.issues.clone(), detections.issues.clone()].concat();
+        let inputs = detections.issues.iter().filter(|issue| issue.kind.loses_input()).cloned();
+        let issues = placed.issues.iter().cloned().chain(inputs).collect();
         let placed = PlacedFrame { detections, placements, ..placed };
         let mut scene = self.complete(placed, &Motions::new());
         // That things have no place is no trouble here.

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::table::Table;
+use crate::table::{Origin, Role, Table, Unit};
 
 /// The table as comma-separated values, one line per cell.
 ///
@@ -19,15 +19,14 @@ pub fn csv(table: &Table) -> String {
             let (cell, mark) = (row.cells.get(column).copied().flatten(), table.mark(row, column));
             let number = |value: Option<f64>| value.map(|v| v.to_string()).unwrap_or_default();
             let [low, high] = [0, 1].map(|end| number(cell.and_then(|c| Some(c.interval?[end]))));
-            let (origin, role) = (name(&row.origin), name(&row.role));
             let fields = [
                 quoted(&table.title),
-                origin,
-                role,
+                origin(row.origin).into(),
+                role(row.role).into(),
                 quoted(&row.method),
                 quoted(category),
                 quoted(metric),
-                name(&table.unit),
+                unit(table.unit).into(),
                 number(cell.map(|cell| cell.value)),
                 low,
                 high,
@@ -41,9 +40,25 @@ pub fn csv(table: &Table) -> String {
     out
 }
 
-/// The name of a word as JSON has it.
-fn name(word: &impl std::fmt::Debug) -> String {
-    format!("{word:?}").to_lowercase()
+fn origin(origin: Origin) -> &'static str {
+    match origin {
+        Origin::Quoted => "quoted",
+        Origin::Measured => "measured",
+    }
+}
+
+fn role(role: Role) -> &'static str {
+    match role {
+        Role::Baseline => "baseline",
+        Role::Method => "method",
+    }
+}
+
+fn unit(unit: Unit) -> &'static str {
+    match unit {
+        Unit::Percent => "percent",
+        Unit::Billions => "billions",
+    }
 }
 
 /// A text in quotation marks where a comma, a line or a quotation mark makes that necessary.
