@@ -126,7 +126,7 @@ fn document(run: &Value, completion: Completion) -> Value {
 }
 
 /// Makes the folder and locks it. That the folder can be written into is known then.
-fn lock(root: &Path) -> Result<File, Error> {
+pub(crate) fn lock(root: &Path) -> Result<File, Error> {
     let fail = |source| Error::file("write", root, source);
     std::fs::create_dir_all(root).map_err(fail)?;
     let path = root.join(LOCK_FILE);

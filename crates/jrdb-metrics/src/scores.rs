@@ -65,7 +65,7 @@ pub fn evaluate_all(
 pub fn from_judgements(protocol: Protocol, questions: Vec<QuestionScore>) -> Scores {
     let categories = summaries(&questions, |one| Some(one.category.clone()));
     let overall = summary(&questions.iter().collect::<Vec<_>>());
-    Scores { protocol, questions, categories, overall }
+    Scores { protocol, questions, categories, overall, intervals: None }
 }
 
 /// Summaries of the questions of each key; questions without a key are left out.

@@ -171,7 +171,8 @@ mod tests {
         let (iou, period_px, questions_digest) = (IouKind::Planar, None, None);
         let version = Protocol::VERSION;
         let protocol = Protocol { version, iou, period_px, match_iou: 0.5, questions_digest };
-        let all = Scores { protocol, questions: vec![], categories, overall };
+        let (questions, intervals) = (vec![], None);
+        let all = Scores { protocol, questions, categories, overall, intervals };
         insta::assert_snapshot!(scores(&all));
     }
 

@@ -52,6 +52,9 @@ pub struct Scores {
     pub categories: BTreeMap<String, Summary>,
     /// All questions.
     pub overall: Summary,
+    /// How sure the sums are, where that was computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub intervals: Option<Intervals>,
 }
 
 impl Payload for Scores {

@@ -52,10 +52,11 @@ pub(crate) fn evaluate(args: &EvaluateArgs) -> Result<ExitCode> {
     args.iou.apply(&mut config);
     config.metrics.period_px = Some(args.period_px);
     config.metrics.questions_digest = Some(questions_digest(&questions));
-    let scores = matched.scores(&config.metrics);
+    let mut scores = matched.scores(&config.metrics);
     let intervals = jrdb_metrics::intervals(&scores, &BootstrapConfig::default());
     let summary =
         format!("{}\n{}", jrdb_render::scores(&scores), jrdb_render::intervals(&intervals));
+    scores.intervals = Some(intervals);
     args.output.give(json!(config.metrics), &scores, &summary)
 }
 

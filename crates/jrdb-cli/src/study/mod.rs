@@ -22,7 +22,7 @@ use crate::interrupt::Interrupt;
 use crate::run::metrics_config;
 use crate::run_options::RunOptions;
 use crate::source::{FrameSource, RobotOptions, Source, list_frames};
-use crate::{Error, answers};
+use crate::{Error, answers, run_folder};
 
 /// How a study is run, besides what its plan says.
 #[derive(Debug, Clone, Default)]
@@ -139,8 +139,10 @@ impl<'o> Study<'o> {
     /// Runs what is missing, and writes the tables. A method that fails is a row that says so.
     ///
     /// # Errors
-    /// When results cannot be written, or the study is interrupted.
+    /// When results cannot be written, another process writes into the folder, or the study is
+    /// interrupted.
     pub fn execute(&self, mut on_step: impl FnMut(&Step<'_>)) -> Result<StudyResult, Error> {
+        let _lock = run_folder::lock(&self.options.out)?;
         let (mut results, mut failures) = (Vec::new(), Vec::new());
         for method in &self.plan.methods {
             let (result, failed) = self.method(method, &mut on_step)?;
@@ -189,11 +191,11 @@ impl<'o> Study<'o> {
         match scores {
             Ok((mut scores, failed)) => {
                 scores.protocol.questions_digest = Some(self.questions_digest.clone());
+                let intervals = jrdb_metrics::intervals(&scores, &self.bootstrap());
+                scores.intervals = Some(intervals.clone());
                 files::write_scores(&self.options.out, &method.name, &scores)?;
                 let slices = slices::table(&method.name, &self.questions.questions, &scores);
                 files::write_slices(&self.options.out, &method.name, &slices, &scores)?;
-                let bootstrap = self.bootstrap();
-                let intervals = jrdb_metrics::intervals(&scores, &bootstrap);
                 Ok((MethodResult::Scored(Box::new(scores), intervals), failed))
             }
             Err(error) if self.options.interrupt.came().is_some() => Err(error),
