@@ -5,7 +5,7 @@ use std::process::Command;
 
 use anyhow::{Context, Result};
 
-use crate::program::{cargo, root, run, run_in};
+use crate::program::{build, built, cargo, root, run, run_in};
 
 /// Where the bundled scenes are, from the workspace's root.
 const SCENES: &str = "testdata/scenes";
@@ -24,9 +24,10 @@ pub(crate) fn models(flags: &[String]) -> Result<()> {
     run_here("models", flags)
 }
 
-/// Cargo starts the program where the user stands, so that relative paths in flags hold.
+/// The program starts where the user stands, so that relative paths in flags hold.
 fn run_here(command: &str, flags: &[String]) -> Result<()> {
     let here = std::env::current_dir().context("cannot tell the current folder")?;
+    build_jrdb()?;
     run_in(&here, jrdb().arg(command).args(flags))
 }
 
@@ -41,7 +42,7 @@ const VERBOSE: &str = "--verbose";
 /// All bundled scenes, seen by the demo's models unless the flags say otherwise, into `out/`.
 fn bundled_run(flags: &[String]) -> Result<()> {
     eprintln!("building jrdb: a few minutes the first time, seconds later");
-    run(cargo().args(["build", "--package", "jrdb", "--bin", "jrdb"]))?;
+    build_jrdb()?;
     let scenes = bundled()?;
     let count = scenes.len();
     eprintln!("running all stages on {count} bundled scenes: about half a minute on two cores");
@@ -76,6 +77,7 @@ fn bundled_study() -> Result<()> {
 
 /// Makes the bundled scenes anew from their `scene.json`.
 pub(crate) fn scenes() -> Result<()> {
+    build_jrdb()?;
     for scene in bundled()? {
         run(jrdb()
             .arg("synth")
@@ -87,11 +89,12 @@ pub(crate) fn scenes() -> Result<()> {
     Ok(())
 }
 
+fn build_jrdb() -> Result<()> {
+    build(&["--bin", "jrdb"])
+}
+
 fn jrdb() -> Command {
-    let mut command = cargo();
-    command.args(["run", "--quiet", "--manifest-path"]).arg(root().join("Cargo.toml"));
-    command.args(["--package", "jrdb", "--bin", "jrdb", "--"]);
-    command
+    built("jrdb")
 }
 
 fn bundled() -> Result<Vec<PathBuf>> {
@@ -105,6 +108,6 @@ fn bundled() -> Result<Vec<PathBuf>> {
 
 fn snapshots(update: &str) -> Result<()> {
     let mut command = cargo();
-    command.args(["test", "--quiet", "--package", "jrdb", "--test", "snapshots"]);
+    command.args(["test", "--quiet", "--workspace", "--test", "snapshots"]);
     run(command.env("INSTA_UPDATE", update).env("RUST_BACKTRACE", "0"))
 }

@@ -80,3 +80,18 @@ pub(crate) fn run_in(folder: &Path, command: &mut Command) -> Result<()> {
 pub(crate) fn cargo() -> Command {
     Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
 }
+
+/// A light example. Whoever builds an example or a test beside a program gets the features that the
+/// tests of the workspace select; without one, `cargo test` would compile most crates again.
+const LIGHT_EXAMPLE: &str = "interval_speed";
+
+/// Builds programs of the workspace as its tests have them. `selection` holds flags such as
+/// `--bin NAME`.
+pub(crate) fn build(selection: &[&str]) -> Result<()> {
+    run(cargo().args(["build", "--workspace", "--example", LIGHT_EXAMPLE]).args(selection))
+}
+
+/// A program that [`build`] left below the folder of the profile.
+pub(crate) fn built(program: &str) -> Command {
+    Command::new(target().join("debug").join(format!("{program}{}", std::env::consts::EXE_SUFFIX)))
+}

@@ -1,6 +1,6 @@
 //! Runs the parser on random texts for a given time.
 //!
-//! `cargo run --release -p jrdb-parser --example fuzz -- [SECONDS] [SEED]`
+//! `cargo run --release -p jrdb-parser --example fuzz_parser -- [SECONDS] [SEED]`
 //!
 //! Texts are sentences of the tests, cut up and mixed, their words in random order, and random
 //! characters. Most are short; a few are very long. Each text must be read without a panic and in
