@@ -190,7 +190,8 @@ impl<'a> Growing<'a> {
         }
     }
 
-    /// Decodes x, y and z of some rows at once, where they are of a usual length; how many rows.
+    /// Decodes x, y and z of some rows at once, where they are of a usual length; how many rows. 22
+    /// bytes are Velodyne's points, 26 Hesai's, 48 Ouster's.
     fn append_places(&mut self, body: &[u8], first: usize, count: usize) -> usize {
         let Some((start, stride)) = self.places else { return 0 };
         let bytes = body.get(start + first * stride..).unwrap_or_default();
@@ -198,7 +199,10 @@ impl<'a> Growing<'a> {
             12 => self.append_rows::<12>(bytes, count),
             16 => self.append_rows::<16>(bytes, count),
             20 => self.append_rows::<20>(bytes, count),
+            22 => self.append_rows::<22>(bytes, count),
+            26 => self.append_rows::<26>(bytes, count),
             32 => self.append_rows::<32>(bytes, count),
+            48 => self.append_rows::<48>(bytes, count),
             _ => 0,
         }
     }
@@ -413,7 +417,7 @@ mod tests {
     #[test]
     fn rows_of_any_length_and_number_are_read_to_the_last() {
         for rows in [0, 1, BLOCK_ROWS - 1, BLOCK_ROWS, 2 * BLOCK_ROWS + 1] {
-            for stride in [12, 16, 18, 20] {
+            for stride in [12, 16, 18, 20, 22, 26, 48] {
                 let row = |i: usize| {
                     let numbers = [i as f32, -(i as f32), 0.5];
                     let mut row: Vec<u8> = numbers.iter().flat_map(|v| v.to_le_bytes()).collect();

@@ -41,8 +41,8 @@ pub fn implausible(cloud: &PointCloud) -> Option<Implausible> {
     let step = cloud.len().div_ceil(SAMPLE).max(1);
     let points = (0..cloud.len()).step_by(step).map(|i| [cloud.x[i], cloud.y[i], cloud.z[i]]);
     let returns: Vec<[f32; 3]> = points.filter(|point| *point != [0.0; 3]).collect();
-    let median_range_m = quantile(returns.iter().map(|[x, y, z]| x.hypot(*y).hypot(*z)), 0.5)?;
-    let depth_m = -quantile(returns.iter().map(|[.., z]| *z), 0.1)?;
+    let median_range_m = quantile(returns.iter().map(squared_range), 0.5)?.sqrt() as f32;
+    let depth_m = -quantile(returns.iter().map(|[.., z]| f64::from(*z)), 0.1)? as f32;
     let is_far = median_range_m > MAX_MEDIAN_M;
     let is_deep = median_range_m > FAR_MEDIAN_M && depth_m > MAX_DEPTH_M;
     let unit = if median_range_m > MILLIMETRES_M { "millimetres" } else { "centimetres" };
@@ -59,12 +59,17 @@ pub(crate) fn is_coarse(cloud: &PointCloud) -> bool {
         && [&cloud.x, &cloud.y, &cloud.z].iter().all(|column| is_whole(column))
 }
 
+/// Square of the distance from the sensor, m²; in double precision, where no square overflows.
+fn squared_range(point: &[f32; 3]) -> f64 {
+    point.iter().map(|&axis| f64::from(axis).powi(2)).sum()
+}
+
 /// The number below which this part of the numbers is.
-fn quantile(numbers: impl Iterator<Item = f32>, part: f32) -> Option<f32> {
-    let mut numbers: Vec<f32> = numbers.collect();
-    let at = (part * numbers.len() as f32) as usize;
+fn quantile(numbers: impl Iterator<Item = f64>, part: f64) -> Option<f64> {
+    let mut numbers: Vec<f64> = numbers.collect();
+    let at = (part * numbers.len() as f64) as usize;
     let at = at.min(numbers.len().checked_sub(1)?);
-    Some(*numbers.select_nth_unstable_by(at, f32::total_cmp).1)
+    Some(*numbers.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 #[cfg(test)]
