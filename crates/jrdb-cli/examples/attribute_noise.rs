@@ -229,6 +229,7 @@ fn question(truth: &SceneGraph, query: &Query, category: &str) -> Question {
     let boxes = nodes.map(|node| node.bbox).collect();
     Question {
         id: None,
+        query: None,
         text: String::new(),
         category: category.into(),
         frame: truth.frame.clone(),

@@ -124,7 +124,9 @@ impl Matched {
 #[must_use]
 pub fn questions_digest<'q>(questions: impl IntoIterator<Item = &'q Question>) -> String {
     let known = questions.into_iter().filter(|question| question.truth.is_some());
-    let mut lines: Vec<String> = known.map(|question| json!(question).to_string()).collect();
+    // What an author notes on the meaning changes neither what is asked nor what is right.
+    let bare = known.map(|question| Question { query: None, ..question.clone() });
+    let mut lines: Vec<String> = bare.map(|question| json!(question).to_string()).collect();
     lines.sort();
     sha256_hex(lines.join("\n").as_bytes())
 }

@@ -55,21 +55,19 @@ pub struct FrameQuestions {
 }
 
 impl FrameQuestions {
-    /// Typed queries for every frame, then the questions of a file, or without both the scenes' own.
+    /// Typed queries for every frame, then the questions of files, or without both the scenes' own.
     ///
     /// # Errors
     /// When a file of questions is unusable.
     pub fn gather(
         frames: &[FrameSource],
         typed: &[Arc<Query>],
-        file: Option<&PathBuf>,
+        files: &[PathBuf],
         sources: &[Source],
         config: &ParserConfig,
     ) -> Result<Self, Error> {
-        let mut listed = Questions::default();
-        if let Some(path) = file {
-            listed = jrdb_dataset::read_questions(path)?;
-        } else if typed.is_empty() {
+        let mut listed = read_all(files)?;
+        if files.is_empty() && typed.is_empty() {
             for source in sources {
                 listed.questions.extend(source.own_questions()?.questions);
             }
@@ -104,6 +102,18 @@ impl FrameQuestions {
     pub fn most(&self) -> usize {
         self.per_frame.iter().map(Vec::len).max().unwrap_or(0)
     }
+}
+
+/// The questions of several files, one after the other.
+///
+/// # Errors
+/// When one of them is unusable.
+pub fn read_all(files: &[PathBuf]) -> Result<Questions, Error> {
+    let mut all = Questions::default();
+    for path in files {
+        all.questions.extend(jrdb_dataset::read_questions(path)?.questions);
+    }
+    Ok(all)
 }
 
 /// The questions of every frame, in their order; equal texts are read once and share their query.

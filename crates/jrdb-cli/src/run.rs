@@ -54,9 +54,9 @@ impl<'o> Run<'o> {
     /// When there is no frame, or a dataset, question file or model is unusable.
     pub fn open(options: &'o RunOptions) -> Result<Self, Error> {
         let frames = list_frames(&options.sources, options.frames.as_ref(), &options.robot)?;
-        let (file, parser) = (options.questions.as_ref(), &options.config.parser);
+        let (files, parser) = (&options.questions, &options.config.parser);
         let (typed, sources) = (&options.queries, &options.sources);
-        let mut questions = FrameQuestions::gather(&frames, typed, file, sources, parser)?;
+        let mut questions = FrameQuestions::gather(&frames, typed, files, sources, parser)?;
         let demographics = options.demographics.for_queries(questions.queries());
         let perception =
             open_perception(&options.perception, &frames, &options.engine, demographics)?;

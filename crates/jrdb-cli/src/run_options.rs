@@ -37,7 +37,7 @@ pub struct RunOptions {
     /// Questions asked of every frame, as they were read.
     pub queries: Vec<Arc<Query>>,
     /// A file of questions with their truth; the scenes' own when neither this nor a query is given.
-    pub questions: Option<PathBuf>,
+    pub questions: Vec<PathBuf>,
     /// Configuration of the stages.
     pub config: PipelineConfig,
     /// Worker threads; one per core when absent. The output does not depend on it.

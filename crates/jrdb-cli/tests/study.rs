@@ -213,3 +213,163 @@ fn methods_of_a_study_are_compared_and_a_method_with_itself_does_not_differ() {
     assert_eq!(unknown.status.code(), Some(2));
     assert!(text(&unknown.stderr).contains("(everybody, labels), found \"nobody\""));
 }
+
+/// The requests of a baseline on a scene, each answered with the true boxes in the form of a model.
+fn answered_requests(folder: &Path, scene: &str) -> PathBuf {
+    let scene = testdata().join("scenes").join(scene);
+    let out = folder.join("exchange");
+    let asked = Command::new(env!("CARGO_BIN_EXE_jrdb"))
+        .args(["exchange", "--perception", "labels", "--scene"])
+        .arg(&scene)
+        .arg("--questions")
+        .arg(scene.join("questions.json"))
+        .arg("--out")
+        .arg(&out)
+        .output()
+        .unwrap();
+    assert!(asked.status.success(), "{}", text(&asked.stderr));
+    let truth = jrdb_dataset::read_questions(&scene.join("questions.json")).unwrap().questions;
+    let boxes = |sentence: &Value| {
+        let one = truth.iter().find(|one| json!(one.text) == *sentence).unwrap();
+        one.truth.clone().unwrap().boxes
+    };
+    // A model that sees the image 1,000 wide and high, whatever its size.
+    let [wide, high] = [3760.0, 480.0].map(|px| 1000.0 / px);
+    let corner = |b: PixelBox| {
+        let [x1, y1] = [b.x + b.w, b.y + b.h];
+        format!("<box>[[{}, {}, {}, {}]]</box>", b.x * wide, b.y * high, x1 * wide, y1 * high)
+    };
+    let path = out.join("exchange.jsonl");
+    let lines = std::fs::read_to_string(&path).unwrap();
+    let lines = lines.lines().map(|line| {
+        let mut line: Value = serde_json::from_str(line).unwrap();
+        let said: String = boxes(&line["request"]["sentence"]).into_iter().map(corner).collect();
+        line["reply"] = json!({"text": said, "size": [1000, 1000]});
+        format!("{line}\n")
+    });
+    std::fs::write(&path, lines.collect::<String>()).unwrap();
+    path
+}
+
+#[test]
+fn recorded_replies_to_whole_questions_are_a_baseline() {
+    let folder = TempDir::new().unwrap();
+    let replies = answered_requests(folder.path(), "plaza");
+    let file = replies.display();
+    let method =
+        format!("  - {{name: model, perception: \"replay:{file}\", detector_alone: true}}\n");
+    let out = folder.path().join("out");
+    let ran = study(&plan(&folder, &["plaza"], &method), &out, &[]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let path = out.join("methods/model/scores.json");
+    let scores: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let overall = &scores["data"]["overall"];
+    assert_eq!(
+        (&overall["recall"], &overall["precision"]),
+        (&json!(1.0), &json!(1.0)),
+        "{overall}"
+    );
+    // A question without a line is open, and the others count.
+    let lines = std::fs::read_to_string(&replies).unwrap();
+    let kept: String = lines.lines().skip(1).map(|line| format!("{line}\n")).collect();
+    std::fs::write(&replies, kept).unwrap();
+    let out = folder.path().join("fewer");
+    let ran = study(&plan(&folder, &["plaza"], &method), &out, &[]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let path = out.join("methods/model/scores.json");
+    let scores: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+    let recall = scores["data"]["overall"]["recall"].as_f64().unwrap();
+    assert!((0.9..1.0).contains(&recall), "{recall}");
+}
+
+#[test]
+fn places_sides_and_slices_stand_beside_the_scores() {
+    let folder = TempDir::new().unwrap();
+    let out = folder.path().join("out");
+    let ran = study(&plan(&folder, &SCENES, ""), &out, &[]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let read = |name: &str| std::fs::read_to_string(out.join("methods").join(name)).unwrap();
+    let places = read("labels/places.txt");
+    assert!(places.contains("at any range  36.00  100.00  100.00"), "{places}");
+    assert!(read("labels/sides.txt").contains("left taken for left: 9\n"));
+    let slices = read("labels/slices.txt");
+    let keys = ["range 0 to 3 m", "occlusion fully visible", "frame of reference the robot's"];
+    for key in keys.iter().chain(&["points of a person 10 to 99", "people in the frame 10 to 19"]) {
+        assert!(slices.contains(key), "{key}: {slices}");
+    }
+    assert!(read("labels/reliability.svg").contains("<circle"));
+    // Answers of other programs have no places.
+    assert!(!out.join("methods/everybody/places.txt").exists());
+}
+
+#[test]
+fn a_misread_question_is_a_gap_that_parsing_closes() {
+    let folder = TempDir::new().unwrap();
+    let questions = testdata().join("scenes/plaza/questions.json");
+    let mut asked: Value =
+        serde_json::from_str(&std::fs::read_to_string(questions).unwrap()).unwrap();
+    let question = &mut asked[0]["question"];
+    assert_eq!(question["query"], "find person[standing]");
+    question["question"] = json!("Find persons who are sitting");
+    let path = folder.path().join("questions.json");
+    std::fs::write(&path, asked.to_string()).unwrap();
+    let out = folder.path().join("out");
+    let flags = ["--questions", path.to_str().unwrap()];
+    let ran = study(&plan(&folder, &["plaza"], "error_budget: labels\n"), &out, &flags);
+    // The answers of "everybody" are to other words.
+    assert!(text(&ran.stdout).contains("error budget of exact"), "{}", text(&ran.stderr));
+    let found: Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("study.json")).unwrap()).unwrap();
+    let budget = &found["error_budget"]["exact"];
+    let parsing = budget["shares"].as_array().unwrap().last().unwrap();
+    let gap = budget["with_all"].as_f64().unwrap() - budget["without"].as_f64().unwrap();
+    assert_eq!(parsing["truth"], "parsing");
+    assert!(gap > 0.0 && (parsing["shapley"].as_f64().unwrap() - gap).abs() < 1e-12, "{budget}");
+}
+
+/// The real frame: people and, so that there is something to score, where the reference has them.
+#[test]
+fn the_table_of_light_on_the_real_frame_says_that_one_recording_gives_no_interval() {
+    let shared = std::env::var_os("JRDB_SHARED").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"),
+        PathBuf::from,
+    );
+    let table = shared.join("data/frame0_box_points_reference.csv");
+    let models = shared.join("models");
+    if !table.exists() || !models.exists() {
+        println!("skipped: no shared data");
+        return;
+    }
+    let boxes: Vec<Vec<f64>> = std::fs::read_to_string(table)
+        .unwrap()
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').skip(1).take(4).map(|cell| cell.parse().unwrap()).collect())
+        .collect();
+    let question = json!([{
+        "category": "human", "task_type": "VG",
+        "data": {"seq": "bytes-cafe-2019-02-07_0.json", "modality_type": "image"},
+        "question": {"question": "Find all persons", "timestamps": {"slot1": {"image_ids": ["000000.jpg"]}}},
+        "labels": {"slot1": {"final_bbox": boxes}},
+    }]);
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("questions.json");
+    std::fs::write(&path, question.to_string()).unwrap();
+    let plan = folder.path().join("study.yaml");
+    let data = json!({
+        "title": "The real frame",
+        "data": {
+            "dataset": shared.join("data/jrdb-sample"),
+            "sequences": ["bytes-cafe-2019-02-07_0"],
+            "frames": "0..1",
+            "questions": path,
+        },
+        "methods": [{"name": "light", "perception": "light"}],
+    });
+    std::fs::write(&plan, data.to_string()).unwrap();
+    let out = folder.path().join("out");
+    let ran = study(&plan, &out, &["--models", models.to_str().unwrap()]);
+    assert!(ran.status.success(), "{}", text(&ran.stderr));
+    let said = text(&ran.stdout);
+    assert!(said.contains("One recording gives no interval."), "{said}");
+}

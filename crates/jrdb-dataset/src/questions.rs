@@ -74,6 +74,8 @@ struct Data<T> {
 struct Asked {
     question: String,
     #[serde(default)]
+    query: Option<String>,
+    #[serde(default)]
     timestamps: BTreeMap<String, Slot>,
     #[serde(default)]
     sub_questions: BTreeMap<String, IgnoredAny>,
@@ -207,7 +209,8 @@ fn question(point: DataPoint) -> Result<Question, Mismatch> {
     };
     let category = point.category.unwrap_or_else(|| derived_category(&point.question));
     let id = point.question_id.map(Name::into_text);
-    Ok(Question { id, text: point.question.question, category, frame, slots, truth })
+    let Asked { question: text, query, .. } = point.question;
+    Ok(Question { id, text, query, category, frame, slots, truth })
 }
 
 /// Numbers of the frames of each slot; there is at least one slot, and one frame in each.
@@ -298,6 +301,8 @@ struct DataPointOut<'a> {
 #[derive(Serialize)]
 struct AskedOut<'a> {
     question: &'a str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    query: Option<&'a str>,
     timestamps: BTreeMap<String, SlotOut>,
 }
 
@@ -364,7 +369,11 @@ fn data_point(question: &Question) -> DataPointOut<'_> {
             seq: format!("{}.json", question.frame.sequence),
             modality_type: modality.into(),
         },
-        question: AskedOut { question: &question.text, timestamps: timestamps.collect() },
+        question: AskedOut {
+            question: &question.text,
+            query: question.query.as_deref(),
+            timestamps: timestamps.collect(),
+        },
         labels: known.map(|known| (SLOT, known)).into_iter().collect(),
     }
 }

@@ -23,6 +23,7 @@ pub(crate) fn question(category: &str, numbers: &[u32]) -> Question {
     let boxes = numbers.iter().map(|&n| at(n)).collect();
     Question {
         id: None,
+        query: None,
         text: "Find them".into(),
         category: category.into(),
         frame: FrameId::default(),

@@ -21,6 +21,7 @@ use crate::{MetricsConfig, Outcome};
 /// let truth = Truth { boxes: vec![bbox], ..Truth::default() };
 /// let question = Question {
 ///     id: None,
+///     query: None,
 ///     text: "Find all men".into(), category: "gender".into(), frame, slots: vec![], truth: Some(truth),
 /// };
 /// let outcome = Outcome { question: &question, answer: &nobody };
@@ -83,6 +84,7 @@ mod tests {
         let boxes = true_boxes.iter().map(|&x| at(x)).collect();
         let question = Question {
             id: None,
+            query: None,
             text: "Find them".into(),
             category: "any".into(),
             frame,

@@ -26,7 +26,7 @@ use crate::{MetricsConfig, Outcome, score};
 /// # let truth = Truth { ids: vec![id.clone()], boxes: vec![bbox], ..Truth::default() };
 /// # let (text, category) = ("Find all men".into(), "gender".into());
 /// # let frame_of = frame.clone();
-/// # let question = Question { id: None, text, category, frame: frame_of, slots: vec![], truth: Some(truth) };
+/// # let question = Question { id: None, query: None, text, category, frame: frame_of, slots: vec![], truth: Some(truth) };
 /// # let query = Query { text: "Find all men".into(), ..Query::default() };
 /// # let answer = Answer::new(frame, &query, MatchPolicy::Ranked, LateralConvention::Physical);
 /// # let ranking = vec![Ranked { id: id.clone(), bbox, probability: 0.9 }];

@@ -1,10 +1,12 @@
 //! Perception from the replies of models that ran before or elsewhere.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use jrdb_perception::exchange::{self, Exchange, replay};
-use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
-use jrdb_types::{Capabilities, Detections, FrameId};
+use jrdb_perception::{AttributeModel, Grounder, Grounding, Perceive, PerceptionError, View};
+use jrdb_types::issue::IssueKind;
+use jrdb_types::{Capabilities, Detections, FrameId, Issue};
 
 use crate::Error;
 
@@ -12,6 +14,8 @@ use crate::Error;
 #[derive(Debug)]
 pub struct Replay {
     lines: Vec<Exchange>,
+    /// Places of the lines that are whole questions, by frame and words.
+    sentences: BTreeMap<(FrameId, String), usize>,
     capabilities: Capabilities,
 }
 
@@ -25,7 +29,30 @@ impl Replay {
         let refused = |source| Error::Model { path: path.into(), source: Box::new(source) };
         let lines = Exchange::read_lines(&text).map_err(refused)?;
         let capabilities = exchange::capabilities(&lines);
-        Ok(Self { lines, capabilities })
+        let sentence = |(at, line): (usize, &Exchange)| {
+            Some(((line.request.frame.clone(), line.request.sentence.clone()?), at))
+        };
+        let sentences = lines.iter().enumerate().filter_map(sentence).collect();
+        Ok(Self { lines, sentences, capabilities })
+    }
+}
+
+impl Grounder for Replay {
+    fn ground(
+        &self,
+        frame: &FrameId,
+        view: &View<'_>,
+        sentences: &[&str],
+    ) -> Result<Vec<Grounding>, PerceptionError> {
+        let one = |sentence: &&str| {
+            let at = self.sentences.get(&(frame.clone(), (*sentence).to_owned()));
+            let why =
+                || format!("the recording of replies has no line for {sentence:?} on {frame}");
+            let line = at.and_then(|at| self.lines.get(*at));
+            let line = line.ok_or_else(|| Issue::new(IssueKind::MissingInput, why()))?;
+            exchange::grounded(line, view.geometry)
+        };
+        Ok(sentences.iter().map(one).collect())
     }
 }
 
@@ -51,7 +78,8 @@ impl Perceive for Replay {
     }
 
     fn grounder(&self) -> Option<&dyn Grounder> {
-        None
+        let has_some = !self.sentences.is_empty();
+        has_some.then_some(self)
     }
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {

@@ -1,10 +1,11 @@
 //! The traits of perception: detectors, attribute models and grounders, and their error.
 
-use jrdb_types::{Attribute, Attributes, Detection, Detections, FrameId, Image, Vocabulary};
+use jrdb_types::{Attribute, Attributes, Detection, Detections, FrameId, Image, Issue, Vocabulary};
 
 #[cfg(feature = "vlm")]
 use crate::engine::Engine;
 use crate::engine::{Cause, EngineError, Tensor};
+use crate::view::View;
 
 /// Detects people and objects in an image.
 pub trait Detector: Send + Sync {
@@ -24,17 +25,20 @@ pub trait Detector: Send + Sync {
 /// Locates what a whole sentence refers to, by the model alone: the paper's baseline without
 /// geometry.
 pub trait Grounder: Send + Sync {
-    /// The boxes that the sentence refers to, numbered from left to right.
+    /// What each sentence refers to. The image is encoded once for all of them.
     ///
     /// # Errors
-    /// When the image, the sentence or the model cannot be used.
+    /// When the image, a sentence or the model cannot be used.
     fn ground(
         &self,
-        image: &Image,
         frame: &FrameId,
-        sentence: &str,
-    ) -> Result<Detections, PerceptionError>;
+        view: &View<'_>,
+        sentences: &[&str],
+    ) -> Result<Vec<Grounding>, PerceptionError>;
 }
+
+/// The boxes that a sentence refers to, numbered from left to right, or why they are not known.
+pub type Grounding = Result<Detections, Issue>;
 
 /// Describes a detection.
 pub trait AttributeModel: Send + Sync {

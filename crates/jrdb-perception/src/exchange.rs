@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::detector::PerceptionError;
 use crate::numbered::{CategoryBox, category, numbered};
-use crate::prompts::{JsonBox, Question, Topic, believed, json_boxes, label_in, put, questions};
+use crate::prompts::{JsonBox, Question, Topic, believed, label_in, put, questions, text_boxes};
 
 /// One line.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -47,6 +47,10 @@ pub struct Request {
     pub topic: Option<Topic>,
     /// The question in words.
     pub prompt: String,
+    /// A whole question: the boxes of the reply are its answer. Such a line is part of a baseline and
+    /// says nothing about what else is in the picture.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sentence: Option<String>,
     /// The words to choose from.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub labels: Vec<String>,
@@ -56,10 +60,14 @@ pub struct Request {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reply {
-    /// Text: one of the labels, possibly in a sentence; or boxes in JSON, in the form of
-    /// vision-language models.
+    /// Text: one of the labels, possibly in a sentence; or boxes in JSON or between marks, in the
+    /// forms of vision-language models.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub text: Option<String>,
+    /// Width and height that the coordinates in `text` refer to: those of the picture as the model
+    /// saw it, pixels, or `[1000, 1000]` or `[1, 1]` for relative ones; those of the panorama when absent.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f64; 2]>,
     /// Probabilities of the labels.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub probabilities: Option<BTreeMap<String, f64>>,
@@ -86,10 +94,24 @@ fn certain() -> f64 {
     1.0
 }
 
+/// The prompt that asks a model a whole question.
+#[must_use]
+pub fn whole_question(sentence: &str) -> String {
+    format!(
+        "{sentence} Locate who is meant in the image. Answer in JSON: [{{\"bbox_2d\": [x0, y0, x1, y1]}}], [] for nobody."
+    )
+}
+
 /// The prompt that asks a model for all detections.
 pub const FIND: &str = "Locate every person and every object in the image. Answer in JSON: [{\"label\": name, \"bbox_2d\": [x0, y0, x1, y1]}].";
 
 impl Exchange {
+    /// Whether the line is a whole question, whose boxes are an answer.
+    #[must_use]
+    pub fn is_whole_question(&self) -> bool {
+        self.request.sentence.is_some()
+    }
+
     /// Reads the lines of a file. Empty lines are skipped.
     ///
     /// # Errors
@@ -118,6 +140,7 @@ impl Exchange {
                 bbox: None,
                 topic: None,
                 prompt: FIND.into(),
+                sentence: None,
                 labels: Vec::new(),
             },
             reply: Some(Reply {
@@ -146,6 +169,7 @@ fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec
                 bbox: Some(person.bbox),
                 topic: Some(question.topic),
                 prompt: question.text,
+                sentence: None,
                 labels,
             },
         }
@@ -160,7 +184,8 @@ fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec
 #[must_use]
 pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Detections {
     let all = lines;
-    let lines: Vec<&Exchange> = all.iter().filter(|line| line.request.frame == *frame).collect();
+    let is_about = |line: &&Exchange| line.request.frame == *frame && !line.is_whole_question();
+    let lines: Vec<&Exchange> = all.iter().filter(is_about).collect();
     let mut issues = Vec::new();
     if lines.is_empty() {
         issues.push(Issue::new(IssueKind::MissingInput, no_line_for(all, frame)));
@@ -168,7 +193,7 @@ pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Dete
     let mut found: Vec<CategoryBox> = Vec::new();
     let searches: Vec<_> = lines.iter().filter(|line| line.request.bbox.is_none()).collect();
     for line in &searches {
-        match boxes_in(line.reply.as_ref()) {
+        match boxes_in(line.reply.as_ref(), image) {
             Ok(boxes) => found.extend(boxes),
             Err(message) => issues.push(Issue::new(IssueKind::MissingInput, message)),
         }
@@ -197,17 +222,36 @@ pub fn replay(lines: &[Exchange], frame: &FrameId, image: ImageGeometry) -> Dete
     Detections { issues, ..Detections::new(frame.clone(), image, detections) }
 }
 
+/// The boxes of the reply to a whole question, as people; boxes that are not in the image are left
+/// out with an issue.
+///
+/// # Errors
+/// The issue of a line without a usable reply.
+pub fn grounded(line: &Exchange, image: ImageGeometry) -> Result<Detections, Issue> {
+    let frame = &line.request.frame;
+    let found = boxes_in(line.reply.as_ref(), image)
+        .map_err(|message| Issue::new(IssueKind::MissingInput, message))?;
+    let mut issues = Vec::new();
+    let people = found.into_iter().map(|one| CategoryBox { category: PERSON.into(), ..one });
+    let detections = numbered(usable(people.collect(), image, &mut issues));
+    Ok(Detections { issues, ..Detections::new(frame.clone(), image, detections) })
+}
+
 /// What the model behind some lines can see: the categories that any reply names, people where only people are asked
 /// about, and the attributes that any line asks for.
 #[must_use]
 pub fn capabilities(lines: &[Exchange]) -> Capabilities {
-    let searches = || lines.iter().filter(|line| line.request.bbox.is_none());
-    let found = searches().flat_map(|line| boxes_in(line.reply.as_ref()).unwrap_or_default());
-    let mut categories: Vocabulary<String> = found.map(|one| one.category).collect();
-    if searches().next().is_none() && !lines.is_empty() {
+    let lines = || lines.iter().filter(|line| !line.is_whole_question());
+    let searches = || lines().filter(|line| line.request.bbox.is_none());
+    // Categories do not depend on the size of the image.
+    let any_size = ImageGeometry { width_px: 1, height_px: 1, wraps: false };
+    let boxes = |line: &Exchange| boxes_in(line.reply.as_ref(), any_size).unwrap_or_default();
+    let mut categories: Vocabulary<String> =
+        searches().flat_map(boxes).map(|one| one.category).collect();
+    if searches().next().is_none() && lines().next().is_some() {
         categories.unite(std::iter::once(PERSON.into()).collect());
     }
-    let topics = lines.iter().filter_map(|line| line.request.topic);
+    let topics = lines().filter_map(|line| line.request.topic);
     let attributes = topics.filter_map(Topic::attribute).collect();
     Capabilities { categories, attributes, ..Capabilities::none() }
 }
@@ -246,8 +290,8 @@ fn usable(
     found.into_iter().filter_map(&mut check).collect()
 }
 
-/// The boxes in a reply.
-fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
+/// The boxes in a reply, pixels of the image.
+fn boxes_in(reply: Option<&Reply>, image: ImageGeometry) -> Result<Vec<CategoryBox>, String> {
     let reply = reply.ok_or("no reply to what is in the image")?;
     if let Some(found) = &reply.found {
         let score =
@@ -260,7 +304,9 @@ fn boxes_in(reply: Option<&Reply>) -> Result<Vec<CategoryBox>, String> {
         return Ok(found.iter().map(read).collect());
     }
     let text = reply.text.as_deref().ok_or("expected found or text in the reply, found neither")?;
-    let boxes = json_boxes(text, [1.0, 1.0]).map_err(|error| format!("{error}: {text:?}"))?;
+    let full_px = [f64::from(image.width_px), f64::from(image.height_px)];
+    let scale = reply.size.map_or([1.0; 2], |[w, h]| [full_px[0] / w, full_px[1] / h]);
+    let boxes = text_boxes(text, scale).map_err(|error| format!("{error}: {text:?}"))?;
     let read = |one: JsonBox| {
         let [x0, y0, x1, y1] = one.corners;
         let label = if one.label.is_empty() { PERSON } else { &one.label };

@@ -18,10 +18,11 @@ mod numbered;
 pub mod perceive;
 pub mod prompts;
 pub mod tiling;
+mod view;
 #[cfg(feature = "vlm")]
 pub mod vlm;
 
-pub use detector::{AttributeModel, Detector, Grounder, PerceptionError};
+pub use detector::{AttributeModel, Detector, Grounder, Grounding, PerceptionError};
 #[cfg(feature = "rten")]
 pub use engine::RtenEngine;
 pub use engine::{
@@ -34,4 +35,5 @@ pub use light::{
     Appearance, AppearanceConfig, Face, FaceFinder, FaceModels, FaceReader, NanoDet, NanoDetConfig,
     PairConfig, PairDetector, SsdLite, SsdLiteConfig,
 };
-pub use perceive::{KnownDetections, Models, Perceive, View};
+pub use perceive::{KnownDetections, Models, Perceive};
+pub use view::View;

@@ -12,15 +12,7 @@ use jrdb_types::{
 use rayon::prelude::*;
 
 use crate::detector::{AttributeModel, Detector, Grounder, PerceptionError};
-
-/// One camera's view of a frame.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
-    /// Size of the camera's images and whether they wrap.
-    pub geometry: ImageGeometry,
-    /// The pixels; absent when they cannot be read, or when perception does not look at them.
-    pub image: Option<&'a Image>,
-}
+use crate::view::View;
 
 /// A source of detections: labels, files, recorded replies or models.
 pub trait Perceive: Send + Sync {
@@ -131,9 +123,9 @@ pub struct Models {
 
 impl Perceive for Models {
     fn perceive(&self, frame: &FrameId, view: &View<'_>) -> Result<Detections, PerceptionError> {
-        let Some(image) = view.image else {
-            let why = "the model had no picture to look at".into();
-            return Ok(nothing_seen(frame, view.geometry, why));
+        let image = match view.pixels() {
+            Ok(image) => image,
+            Err(issue) => return Ok(nothing_seen(frame, view.geometry, issue.message)),
         };
         let mut detections = self.detector.detect(image, frame)?;
         if let Some(model) = &self.attributes {

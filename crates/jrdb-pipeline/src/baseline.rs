@@ -1,9 +1,8 @@
 //! The baselines of the paper: the detector answers a whole sentence by itself, without points, graph and search.
 
+use jrdb_perception::{Grounding, View};
 use jrdb_types::answer::{Cause, CauseKind, Count, Ranked, Reply};
 use jrdb_types::{Answer, Capabilities, Detections, EntityId, FrameId, Issue, Query, Status, Task};
-
-use rayon::prelude::*;
 
 use crate::{Error, Frame, Pipeline, PipelineConfig, Scene};
 
@@ -18,34 +17,48 @@ pub fn answer(
     frame: Frame,
     queries: &[&Query],
 ) -> Result<(Scene, Vec<Answer>), Error> {
-    let (id, image) = (frame.id.clone(), pipeline.robot().image());
-    let mut all = Detections::new(id, image, Vec::new());
+    let (id, geometry) = (frame.id.clone(), pipeline.robot().image());
+    let mut all = Detections::new(id, geometry, Vec::new());
     let mut answers = Vec::new();
-    match frame.images.first().map(crate::CameraImage::pixels) {
-        Some(Ok(pixels)) => {
-            let grounder = pipeline.perception().grounder().ok_or(Error::NoGrounder)?;
-            let fail = |source| Error::Perception { frame: frame.id.clone(), source };
-            // Each sentence is a run of the model over the whole image.
-            let found = queries
-                .par_iter()
-                .map(|query| grounder.ground(pixels, &frame.id, &query.text).map_err(fail));
-            let found: Vec<Detections> = found.collect::<Result<_, _>>()?;
-            for (query, mut found) in queries.iter().zip(found) {
+    for (query, found) in queries.iter().zip(grounded(pipeline, &frame, queries)?) {
+        match found {
+            Ok(mut found) => {
                 rename(&mut found, all.detections.len());
                 answers.push(answer_of(&found, query, pipeline.config()));
                 all.detections.extend(found.detections);
+                all.issues.extend(found.issues);
+            }
+            Err(issue) => {
+                answers.push(open(&frame.id, query, &issue, pipeline.config()));
+                all.issues.push(issue);
             }
         }
-        Some(Err(issue)) => {
-            let config = pipeline.config();
-            answers.extend(queries.iter().map(|query| open(&frame.id, query, issue, config)));
-            all.issues.push(issue.clone());
-            all.capabilities = Some(Capabilities::none());
-        }
-        None => {}
+    }
+    all.issues.dedup();
+    if !queries.is_empty() && answers.iter().all(|answer| answer.status == Status::Unknown) {
+        all.capabilities = Some(Capabilities::none());
     }
     all.detections.sort_by(|a, b| a.id.cmp(&b.id));
     Ok((pipeline.unplaced(frame, all)?, answers))
+}
+
+/// What the detector finds for each question, or why that is not known.
+fn grounded(
+    pipeline: &Pipeline,
+    frame: &Frame,
+    queries: &[&Query],
+) -> Result<Vec<Grounding>, Error> {
+    let perception = pipeline.perception();
+    let grounder = perception.grounder().ok_or(Error::NoGrounder)?;
+    let camera = frame.images.first().filter(|_| perception.looks_at_images());
+    let image = match camera.map(crate::CameraImage::pixels).transpose() {
+        Ok(image) => image,
+        Err(issue) => return Ok(vec![Err(issue.clone()); queries.len()]),
+    };
+    let view = View { geometry: pipeline.robot().image(), image };
+    let sentences: Vec<&str> = queries.iter().map(|query| query.text.as_str()).collect();
+    let fail = |source| Error::Perception { frame: frame.id.clone(), source };
+    grounder.ground(&frame.id, &view, &sentences).map_err(fail)
 }
 
 /// Gives boxes names that no other question's boxes have.

@@ -5,13 +5,12 @@ use std::collections::BTreeMap;
 use jrdb_types::detection::{Interaction, occurring};
 use jrdb_types::{Capabilities, Detection, Detections, EntityId};
 
+use crate::same;
+
 /// The parts of the truth that a frame can be given, in the order in which a table shows them. The
 /// last is not part of what was seen: questions then have the query that their file states.
 pub const TRUTHS: [&str; 6] =
     ["detection", "attributes", "position", "heading", "interactions", "parsing"];
-
-/// Boxes that overlap by this IoU show the same thing.
-const SAME_IOU: f64 = 0.5;
 
 /// Which parts of the truth are given.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -106,26 +105,10 @@ fn injected(own: &Detection, sides: Sides<'_>, truths: Truths, names: &Names<'_>
     }
 }
 
-/// Which thing of another view each thing is: pairs of greatest overlap first.
+/// Which thing of another view each thing is.
 fn pairs(base: &Detections, other: &Detections) -> BTreeMap<usize, usize> {
-    let period_px = base.image.period_px();
-    let mut overlaps = Vec::new();
-    for (a, one) in base.detections.iter().enumerate() {
-        for (b, two) in other.detections.iter().enumerate() {
-            let iou = one.bbox.iou(&two.bbox, period_px);
-            if iou >= SAME_IOU {
-                overlaps.push((iou, a, b));
-            }
-        }
-    }
-    overlaps.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let (mut pairs, mut taken) = (BTreeMap::new(), std::collections::BTreeSet::new());
-    for (_, a, b) in overlaps {
-        if !pairs.contains_key(&a) && taken.insert(b) {
-            pairs.insert(a, b);
-        }
-    }
-    pairs
+    let boxes = |view: &Detections| view.detections.iter().map(|one| one.bbox).collect::<Vec<_>>();
+    same::pairs(&boxes(base), &boxes(other), base.image.period_px())
 }
 
 /// The names that things of either view have in the result.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use jrdb_types::Localizer;
 use jrdb_types::score::{IouKind, Metric};
 use jrdb_types::vocab::MatchPolicy;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::paper::Paper;
 use crate::table::Role;
@@ -46,8 +46,23 @@ pub struct Data {
     pub sequences: Vec<String>,
     /// Frame numbers `A..B`, B exclusive; all when absent.
     pub frames: Option<String>,
-    /// A file of questions with their truth; the scenes' own when absent.
-    pub questions: Option<String>,
+    /// A file of questions with their truth, or a list of files; the scenes' own when empty.
+    #[serde(deserialize_with = "one_or_several")]
+    pub questions: Vec<String>,
+}
+
+/// A text, or a list of texts.
+fn one_or_several<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<String>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Given {
+        One(String),
+        Several(Vec<String>),
+    }
+    Ok(match Given::deserialize(deserializer)? {
+        Given::One(text) => vec![text],
+        Given::Several(texts) => texts,
+    })
 }
 
 /// One row of the tables.
@@ -175,7 +190,7 @@ impl Plan {
     /// When it is not of this form or contradicts itself.
     pub fn from_yaml(text: &str) -> Result<Self, PlanError> {
         let plan: Self =
-            serde_saphyr::from_str(text).map_err(|error| PlanError::Form(error.to_string()))?;
+            serde_saphyr::from_str(text).map_err(|error| PlanError::Form(form(&error)))?;
         plan.check()?;
         Ok(plan)
     }
@@ -268,6 +283,12 @@ fn is_name(name: &str) -> bool {
     name.chars().all(allowed)
         && name.starts_with(|c: char| c.is_ascii_alphanumeric())
         && !name.ends_with([' ', '.'])
+}
+
+/// What is wrong with the form, without the word that the reader's message begins with.
+fn form(error: &serde_saphyr::Error) -> String {
+    let text = error.to_string();
+    text.strip_prefix("error: ").unwrap_or(&text).to_owned()
 }
 
 #[cfg(test)]

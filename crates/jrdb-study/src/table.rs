@@ -46,6 +46,8 @@ pub enum Unit {
     Percent,
     /// Thousand millions.
     Billions,
+    /// Those that the columns state.
+    Mixed,
 }
 
 impl Unit {
@@ -55,6 +57,7 @@ impl Unit {
         match self {
             Self::Percent => "%",
             Self::Billions => "billions",
+            Self::Mixed => "",
         }
     }
 }

@@ -45,13 +45,17 @@ pub(super) fn questions(labels: &Detections, seed: u64) -> Vec<Question> {
         if *count >= PER_PATTERN || !seen.insert(sentence.text.clone()) {
             continue;
         }
-        let Some((text, truth)) = settled(&sentence.text, &truth, &jittered) else { continue };
+        let Some(Settled { text, query, truth }) = settled(&sentence.text, &truth, &jittered)
+        else {
+            continue;
+        };
         if !sentence.is_vague || truth.ids.len() <= TOLD_APART {
             *count += 1;
             let (category, frame) = (sentence.category.into(), labels.frame.clone());
             questions.push(Question {
                 id: None,
                 text,
+                query: Some(query),
                 category,
                 frame,
                 slots: Vec::new(),
@@ -63,8 +67,17 @@ pub(super) fn questions(labels: &Detections, seed: u64) -> Vec<Question> {
     questions
 }
 
-/// The sentence in singular or plural, as its answer is, and that answer; none when it is not safe.
-fn settled(text: &str, truth: &SceneGraph, jittered: &[SceneGraph]) -> Option<(String, Truth)> {
+/// A question that is safe to ask.
+struct Settled {
+    /// The sentence in singular or plural, as its answer is.
+    text: String,
+    /// What it means, in the notation of queries.
+    query: String,
+    truth: Truth,
+}
+
+/// A sentence as a question with its answer; none when it is not safe.
+fn settled(text: &str, truth: &SceneGraph, jittered: &[SceneGraph]) -> Option<Settled> {
     let query = jrdb_parser::parse(text);
     if query.issues.iter().any(|issue| issue.kind != IssueKind::Ambiguous) {
         return None;
@@ -81,7 +94,8 @@ fn settled(text: &str, truth: &SceneGraph, jittered: &[SceneGraph]) -> Option<(S
     let boxes = boxes.collect();
     let text = if answer.selection.len() > 1 { wording::plural(text) } else { text.into() };
     let count = answer.number();
-    Some((text, Truth { ids: answer.selection, boxes, count, ..Truth::default() }))
+    let truth = Truth { ids: answer.selection, boxes, count, ..Truth::default() };
+    Some(Settled { text, query: jrdb_parser::notation::write(&query), truth })
 }
 
 fn strict(graph: &SceneGraph, query: &Query) -> Answer {

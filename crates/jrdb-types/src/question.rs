@@ -36,6 +36,10 @@ pub struct Question {
     pub id: Option<String>,
     /// The words.
     pub text: String,
+    /// What the words mean, in the notation of queries, where its author says so. It is not what is
+    /// asked: it tells what a misreading costs.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub query: Option<String>,
     /// The benchmark's category, for example `gender-age-race-HHG`; scores are averaged by it.
     pub category: String,
     /// The frame; of a recording, the first that is asked about.
@@ -54,7 +58,8 @@ impl Question {
     #[must_use]
     pub fn typed(text: impl Into<String>, frame: FrameId) -> Self {
         let (category, slots) = (String::new(), Vec::new());
-        Self { id: None, text: text.into(), category, frame, slots, truth: None }
+        let (id, query, truth) = (None, None, None);
+        Self { id, text: text.into(), query, category, frame, slots, truth }
     }
 }
 

@@ -8,10 +8,12 @@ use anyhow::Result;
 use clap::Args;
 use jrdb_cli::Error;
 use jrdb_cli::output::write;
+use jrdb_cli::questions::FrameQuestions;
 use jrdb_cli::source::{FrameSource, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
-use jrdb_perception::exchange::{Exchange, FIND, Request};
+use jrdb_parser::ParserConfig;
+use jrdb_perception::exchange::{Exchange, FIND, Request, whole_question};
 use jrdb_perception::image::crop;
 use jrdb_perception::prompts::Topic;
 use jrdb_pipeline::Pipeline;
@@ -32,6 +34,9 @@ pub(crate) struct ExchangeArgs {
     /// Ask for people and things, too, instead of taking those of --perception
     #[arg(long)]
     find: bool,
+    /// Ask each question of these files as a whole instead: the requests of a baseline
+    #[arg(long, value_name = "FILE", conflicts_with = "find")]
+    questions: Vec<PathBuf>,
     /// A crop is larger than its box by this part of it on each side
     #[arg(long, default_value_t = 0.1, value_name = "PART")]
     margin: f64,
@@ -46,12 +51,16 @@ pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
     let perception = Arc::new(args.perception.open(&frames)?);
     perception.notes().iter().for_each(|note| eprintln!("{note}"));
     let mut lines = Vec::new();
-    for frame in &frames {
-        lines.extend(if args.find {
-            find(frame, &args.out)?
-        } else {
-            of(frame, &perception, args)?
-        });
+    if !args.questions.is_empty() {
+        lines = whole_questions(&frames, args)?;
+    } else {
+        for frame in &frames {
+            lines.extend(if args.find {
+                find(frame, &args.out)?
+            } else {
+                of(frame, &perception, args)?
+            });
+        }
     }
     let mut text = String::new();
     for line in &lines {
@@ -71,18 +80,39 @@ pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
 
 /// Asks what is in the panorama.
 fn find(frame: &FrameSource, out: &Path) -> Result<Vec<Exchange>, Error> {
-    let Ok(image) = frame.image() else { return Ok(Vec::new()) };
+    let Some(image) = panorama(frame, out)? else { return Ok(Vec::new()) };
+    Ok(vec![about(frame, image, FIND.into(), None)])
+}
+
+/// Asks every question about a frame as a whole.
+fn whole_questions(frames: &[FrameSource], args: &ExchangeArgs) -> Result<Vec<Exchange>, Error> {
+    let (sources, parser) = (args.source.sources()?, ParserConfig::default());
+    let asked = FrameQuestions::gather(frames, &[], &args.questions, &sources, &parser)?;
+    let mut lines = Vec::new();
+    for (frame, questions) in frames.iter().zip(asked.per_frame) {
+        let Some(image) = panorama(frame, &args.out)? else { continue };
+        lines.extend(questions.into_iter().map(|asked| {
+            let text = asked.question.text;
+            about(frame, image.clone(), whole_question(&text), Some(text))
+        }));
+    }
+    Ok(lines)
+}
+
+/// Writes the panorama; its name in the folder, or none where it cannot be read.
+fn panorama(frame: &FrameSource, out: &Path) -> Result<Option<String>, Error> {
+    let Ok(image) = frame.image() else { return Ok(None) };
     let name = format!("{}.png", stem(&frame.id));
     picture(&out.join(&name), &image)?;
-    let request = Request {
-        frame: frame.id.clone(),
-        image: Some(name),
-        bbox: None,
-        topic: None,
-        prompt: FIND.into(),
-        labels: Vec::new(),
-    };
-    Ok(vec![Exchange { request, reply: None }])
+    Ok(Some(name))
+}
+
+/// A line that asks about the whole panorama.
+fn about(frame: &FrameSource, image: String, prompt: String, sentence: Option<String>) -> Exchange {
+    let frame = frame.id.clone();
+    let (bbox, topic, labels) = (None, None, Vec::new());
+    let request = Request { frame, image: Some(image), bbox, topic, prompt, sentence, labels };
+    Exchange { request, reply: None }
 }
 
 /// Records what perception gives, and asks for what it does not know of people.

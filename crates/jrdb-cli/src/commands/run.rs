@@ -37,7 +37,7 @@ pub(crate) struct RunArgs {
     query: Vec<String>,
     /// Questions in the JRDB-Reasoning layout; a scene's own are taken when neither this nor --query is given
     #[arg(long, value_name = "FILE")]
-    questions: Option<PathBuf>,
+    questions: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingArgs,
     #[command(flatten)]

@@ -24,9 +24,9 @@ pub(crate) struct StudyArgs {
     /// The root of a JRDB tree, instead of the plan's
     #[arg(long, value_name = "ROOT")]
     dataset: Option<PathBuf>,
-    /// Questions with their truth, instead of the plan's
+    /// Questions with their truth, instead of the plan's; may be repeated
     #[arg(long, value_name = "FILE")]
-    questions: Option<PathBuf>,
+    questions: Vec<PathBuf>,
     /// Worker threads; one per core when absent
     #[arg(long, value_name = "N")]
     threads: Option<std::num::NonZeroUsize>,

@@ -1,10 +1,12 @@
 //! What a study leaves in its folder.
 //!
 //! `methods/NAME/scores.json` and, for each recording, `methods/NAME/recordings/RECORDING.json`;
-//! `table-N.txt`, `.md`, `.tex`, `.csv`, the same of `parameters`, and `study.json`; `timings.json`, which alone differs from run
-//! to run.
+//! there, too, `slices` and `places` as tables, `sides.txt`, `reliability.txt` and `.svg`;
+//! `table-N.txt`, `.md`, `.tex`, `.csv`, the same of `parameters`, `error-budget.txt` and `.svg`, and
+//! `study.json`; `timings.json`, which alone differs from run to run.
 
-use jrdb_study::{Mark, Plan, Table};
+use jrdb_study::{Mark, Placements, Plan, Table};
+use jrdb_types::score::{Budget, Metric};
 use jrdb_types::{Artefact, Scores};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -15,6 +17,8 @@ use crate::output::write;
 
 /// Key of the digest of all that determines a recording's scores.
 const RUN_DIGEST: &str = "run_sha256";
+/// Key of how people were placed.
+const PLACEMENTS: &str = "placements";
 
 fn method_folder(out: &Path, method: &str) -> PathBuf {
     out.join("methods").join(method)
@@ -25,16 +29,22 @@ pub(super) fn recording(out: &Path, method: &str, recording: &str) -> PathBuf {
     method_folder(out, method).join("recordings").join(format!("{recording}.json"))
 }
 
-/// The scores in a file, where they are those of a run with this digest.
-pub(super) fn known_scores(path: &Path, digest: &str) -> Option<Scores> {
+/// The scores in a file and how people were placed, where they are those of a run with this digest.
+pub(super) fn known(path: &Path, digest: &str) -> Option<(Scores, Placements)> {
     let text = std::fs::read_to_string(path).ok()?;
     let artefact: Artefact<Scores> = Artefact::from_json(&text).ok()?;
-    (artefact.config[RUN_DIGEST] == digest).then_some(artefact.data)
+    let placements = serde_json::from_value(artefact.config[PLACEMENTS].clone()).ok()?;
+    (artefact.config[RUN_DIGEST] == digest).then_some((artefact.data, placements))
 }
 
-/// Writes the scores of a recording with the digest of its run.
-pub(super) fn write_known(path: &Path, digest: &str, scores: &Scores) -> Result<(), Error> {
-    let config = json!({ RUN_DIGEST: digest });
+/// Writes the scores of a recording and how people were placed, with the digest of its run.
+pub(super) fn write_known(
+    path: &Path,
+    digest: &str,
+    scores: &Scores,
+    placements: &Placements,
+) -> Result<(), Error> {
+    let config = json!({ RUN_DIGEST: digest, PLACEMENTS: placements });
     write(path, Artefact::new(config, scores.clone()).to_json().as_bytes())
 }
 
@@ -55,7 +65,20 @@ pub(super) fn write_slices(
     let folder = method_folder(out, method);
     write_table(&folder, "slices", slices)?;
     let reliability = jrdb_metrics::reliability(&scores.questions);
-    write(&folder.join("reliability.txt"), jrdb_render::reliability(&reliability).as_bytes())
+    write(&folder.join("reliability.txt"), jrdb_render::reliability(&reliability).as_bytes())?;
+    let chart = jrdb_render::reliability_chart(&reliability);
+    write(&folder.join("reliability.svg"), chart.as_bytes())
+}
+
+/// Writes how far from the truth people were placed and turned, and which sides were taken for which.
+pub(super) fn write_places(out: &Path, method: &str, placements: &Placements) -> Result<(), Error> {
+    let folder = method_folder(out, method);
+    write_table(&folder, "places", &placements.table(method))?;
+    let of_robot = jrdb_metrics::confusion(placements.sides_of_robot());
+    let of_people = jrdb_metrics::confusion(placements.sides_of_people());
+    let [of_robot, of_people] = [&of_robot, &of_people].map(jrdb_render::confusion);
+    let text = format!("sides of the robot\n{of_robot}\nsides of people\n{of_people}");
+    write(&folder.join("sides.txt"), text.as_bytes())
 }
 
 /// Notes how long a method took for so many frames and questions, and the peak memory of the
@@ -87,6 +110,10 @@ pub(super) fn write_study(out: &Path, plan: &Plan, result: &StudyResult) -> Resu
     write_table(out, "parameters", &result.parameters)?;
     if !result.budget.is_empty() {
         write(&out.join("error-budget.txt"), budget_text(&result.budget).as_bytes())?;
+        let named =
+            |(metric, budget): &(Metric, Budget)| (metric.name().to_owned(), budget.clone());
+        let named: Vec<_> = result.budget.iter().map(named).collect();
+        write(&out.join("error-budget.svg"), jrdb_render::budget_chart(&named).as_bytes())?;
     }
     let budget =
         result.budget.iter().map(|(metric, budget)| (metric.name().to_owned(), json!(budget)));

@@ -5,8 +5,12 @@ mod files;
 mod recording;
 mod result;
 mod slices;
+mod truth;
 
+use result::MethodRun;
 pub use result::{StudyResult, budget_text};
+use slices::Asked;
+use truth::{Facts, Labelled, Truth};
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -19,6 +23,7 @@ use jrdb_study::{Method, MethodResult, Paper, Plan, Table, TablePlan};
 use jrdb_types::{FrameId, Questions, Scores};
 
 use crate::interrupt::Interrupt;
+use crate::questions::read_all;
 use crate::run::metrics_config;
 use crate::run_options::RunOptions;
 use crate::source::{FrameSource, RobotOptions, Source, list_frames};
@@ -33,8 +38,8 @@ pub struct StudyOptions {
     pub out: PathBuf,
     /// The root of a JRDB tree, instead of the plan's.
     pub dataset: Option<PathBuf>,
-    /// A file of questions, instead of the plan's.
-    pub questions: Option<PathBuf>,
+    /// Files of questions, instead of the plan's.
+    pub questions: Vec<PathBuf>,
     /// How to choose an engine for models, and where they are.
     pub engine: EngineOptions,
     /// Worker threads; one per core when absent. The tables do not depend on it.
@@ -101,8 +106,9 @@ impl<'o> Study<'o> {
             }
             data.dataset = Some(absolute(root)?);
         }
-        if let Some(path) = &self.options.questions {
-            data.questions = Some(absolute(path)?);
+        if !self.options.questions.is_empty() {
+            let paths = self.options.questions.iter().map(absolute);
+            data.questions = paths.collect::<Result<_, _>>()?;
         }
         Ok(())
     }
@@ -144,8 +150,13 @@ impl<'o> Study<'o> {
     pub fn execute(&self, mut on_step: impl FnMut(&Step<'_>)) -> Result<StudyResult, Error> {
         let _lock = run_folder::lock(&self.options.out)?;
         let (mut results, mut failures) = (Vec::new(), Vec::new());
+        let sources = self.frame_sources()?;
+        let truth = Truth::open(&sources, &self.options.engine);
+        let frames = sources.iter().map(|frame| (&frame.id, frame)).collect();
+        let labelled = Labelled { frames, truth: &truth };
+        let facts = truth.facts(&self.frames_asked_about(&labelled));
         for method in &self.plan.methods {
-            let (result, failed) = self.method(method, &mut on_step)?;
+            let (result, failed) = self.method(method, &labelled, &facts, &mut on_step)?;
             failures.extend(failed.map(|why| (method.name.clone(), why)));
             results.push(result);
         }
@@ -175,27 +186,40 @@ impl<'o> Study<'o> {
         jrdb_study::parameter_table(&counts)
     }
 
+    /// The frames that questions are about.
+    fn frames_asked_about<'s>(&self, labelled: &Labelled<'s>) -> Vec<&'s FrameSource> {
+        let asked: BTreeSet<&FrameId> =
+            self.questions.questions.iter().map(|question| &question.frame).collect();
+        asked.iter().filter_map(|id| labelled.frames.get(*id).copied()).collect()
+    }
+
     /// The scores of one method, or why it has none; and what failed.
     fn method(
         &self,
         method: &Method,
+        labelled: &Labelled<'_>,
+        facts: &Facts,
         on_step: &mut impl FnMut(&Step<'_>),
     ) -> Result<(MethodResult, Option<String>), Error> {
-        let scores = match method.answers.is_empty() {
-            true => self.recordings(method, on_step),
+        let run = match method.answers.is_empty() {
+            true => self.recordings(method, labelled, on_step),
             false => {
                 on_step(&Step { method: &method.name, what: "answers".into() });
-                self.answers_of(method).map(|scores| (scores, None))
+                self.answers_of(method).map(MethodRun::of_scores)
             }
         };
-        match scores {
-            Ok((mut scores, failed)) => {
+        match run {
+            Ok(MethodRun { mut scores, failed, placements }) => {
                 scores.protocol.questions_digest = Some(self.questions_digest.clone());
                 let intervals = jrdb_metrics::intervals(&scores, &self.bootstrap());
                 scores.intervals = Some(intervals.clone());
                 files::write_scores(&self.options.out, &method.name, &scores)?;
-                let slices = slices::table(&method.name, &self.questions.questions, &scores);
+                let asked = Asked { questions: &self.questions.questions, facts };
+                let slices = slices::table(&method.name, asked, &scores);
                 files::write_slices(&self.options.out, &method.name, &slices, &scores)?;
+                if !placements.is_empty() {
+                    files::write_places(&self.options.out, &method.name, &placements)?;
+                }
                 Ok((MethodResult::Scored(Box::new(scores), intervals), failed))
             }
             Err(error) if self.options.interrupt.came().is_some() => Err(error),
@@ -232,7 +256,7 @@ impl<'o> Study<'o> {
             threads: self.options.threads,
             interrupt: self.options.interrupt.clone(),
             baseline: method.detector_alone,
-            questions: self.plan.data.questions.as_ref().map(|path| self.path(path)),
+            questions: self.question_files(),
             ..RunOptions::default()
         };
         if let Some(perception) = &method.perception {
@@ -242,6 +266,10 @@ impl<'o> Study<'o> {
         options.config.projection.localizer = method.localizer;
         options.config.metrics.iou = self.plan.iou;
         Ok(options)
+    }
+
+    fn question_files(&self) -> Vec<PathBuf> {
+        self.plan.data.questions.iter().map(|path| self.path(path)).collect()
     }
 
     fn frames(&self) -> Result<Option<std::ops::Range<u32>>, Error> {
@@ -281,8 +309,9 @@ impl<'o> Study<'o> {
     }
 
     fn all_questions(&self) -> Result<Questions, Error> {
-        if let Some(path) = &self.plan.data.questions {
-            return Ok(jrdb_dataset::read_questions(&self.path(path))?);
+        let files = self.question_files();
+        if !files.is_empty() {
+            return read_all(&files);
         }
         let own = self.sources.iter().map(Source::own_questions);
         let own = own.collect::<Result<Vec<_>, _>>()?.into_iter();

@@ -6,11 +6,12 @@ use std::time::Instant;
 
 use jrdb_metrics::{from_judgements, merge};
 use jrdb_models::sha256_hex;
-use jrdb_study::Method;
+use jrdb_study::{Method, Placements};
 use jrdb_types::score::QuestionScore;
 use jrdb_types::{FrameId, Scores};
 
-use super::result::Timing;
+use super::result::{MethodRun, Timing};
+use super::truth::Labelled;
 use super::{Step, Study, files};
 use crate::questions::Answered;
 use crate::run::Run;
@@ -22,8 +23,9 @@ impl Study<'_> {
     pub(super) fn recordings(
         &self,
         method: &Method,
+        labelled: &Labelled<'_>,
         on_step: &mut impl FnMut(&Step<'_>),
-    ) -> Result<(Scores, Option<String>), Error> {
+    ) -> Result<MethodRun, Error> {
         let options = RunOptions { sources: self.sources.clone(), ..self.run_options(method)? };
         let mut run = Run::open(&options)?;
         let mut shelf = Shelf::new(self, method, &run);
@@ -36,6 +38,9 @@ impl Study<'_> {
         let started = Instant::now();
         let summary = run.execute(|result| {
             let recording = result.id.sequence.clone();
+            if !method.detector_alone {
+                shelf.place(&result, labelled);
+            }
             shelf.add(result, &run);
             let is_done = shelf.frames(&recording) == counts[&recording];
             if is_done {
@@ -51,8 +56,8 @@ impl Study<'_> {
         let questions = shelf.questions + summary.recordings.len();
         let timing = Timing { took: started.elapsed(), frames: run.frame_count(), questions };
         files::write_timing(&self.options.out, &method.name, &timing)?;
-        let failed = shelf.failures();
-        Ok((shelf.finish(&summary.recordings, &run)?, failed))
+        let (failed, placements) = (shelf.failures(), shelf.placements());
+        Ok(MethodRun { scores: shelf.finish(&summary.recordings, &run)?, failed, placements })
     }
 }
 
@@ -64,6 +69,8 @@ struct Shelf<'s> {
     digests: Vec<(String, String)>,
     known: BTreeMap<String, Scores>,
     judged: BTreeMap<String, (usize, Vec<QuestionScore>)>,
+    /// How people were placed beside how they stand, by recording.
+    placed: BTreeMap<String, Placements>,
     /// How many questions about frames have been answered.
     questions: usize,
     /// Frames that could not be done, and why.
@@ -77,12 +84,32 @@ impl<'s> Shelf<'s> {
             (name, digest)
         };
         let digests: Vec<_> = run.recordings().into_iter().map(digest).collect();
-        let known = digests.iter().filter_map(|(name, digest)| {
+        let (mut known, mut placed) = (BTreeMap::new(), BTreeMap::new());
+        for (name, digest) in &digests {
             let path = files::recording(&study.options.out, &method.name, name);
-            Some((name.clone(), files::known_scores(&path, digest)?))
-        });
-        let (known, judged) = (known.collect(), BTreeMap::new());
-        Self { study, method, known, digests, judged, questions: 0, failed: Vec::new() }
+            if let Some((scores, placements)) = files::known(&path, digest) {
+                known.insert(name.clone(), scores);
+                placed.insert(name.clone(), placements);
+            }
+        }
+        let judged = BTreeMap::new();
+        Self { study, method, known, digests, judged, placed, questions: 0, failed: Vec::new() }
+    }
+
+    /// Compares where people of a frame were placed with where its labels have them.
+    fn place(&mut self, FrameResult { id, output }: &FrameResult, labelled: &Labelled<'_>) {
+        let (Ok(output), Some(frame)) = (output, labelled.frames.get(id)) else { return };
+        let Some(truth) = labelled.truth.scene(frame) else { return };
+        let period_px = frame.robot.image().period_px();
+        let found = Placements::of(output.scene.graph(), truth.graph(), period_px);
+        self.placed.entry(id.sequence.clone()).or_default().extend(found);
+    }
+
+    /// How people of all recordings were placed.
+    fn placements(&self) -> Placements {
+        let mut all = Placements::default();
+        self.placed.values().for_each(|one| all.extend(one.clone()));
+        all
     }
 
     /// Which frames failed, in words.
@@ -129,7 +156,8 @@ impl<'s> Shelf<'s> {
         let digests = self.digests.iter().find(|(name, _)| name == recording);
         let digest = digests.map(|(_, digest)| digest.as_str()).unwrap_or_default();
         let path = files::recording(&self.study.options.out, &self.method.name, recording);
-        files::write_known(&path, digest, &scores)?;
+        let placements = self.placed.get(recording).cloned().unwrap_or_default();
+        files::write_known(&path, digest, &scores, &placements)?;
         self.known.insert(recording.into(), scores);
         Ok(())
     }

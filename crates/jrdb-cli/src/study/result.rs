@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use jrdb_study::Table;
+use jrdb_study::{Placements, Table};
+use jrdb_types::Scores;
 use jrdb_types::score::{Budget, Metric};
 
 /// What a study came to.
@@ -16,6 +17,22 @@ pub struct StudyResult {
     pub budget: Vec<(Metric, Budget)>,
     /// Methods that failed, or of which frames failed, and why.
     pub failures: Vec<(String, String)>,
+}
+
+/// What one method came to.
+pub(super) struct MethodRun {
+    pub(super) scores: Scores,
+    /// Why not all frames could be done.
+    pub(super) failed: Option<String>,
+    /// How people were placed beside how they stand.
+    pub(super) placements: Placements,
+}
+
+impl MethodRun {
+    /// Scores of another program, whose scenes are not known.
+    pub(super) fn of_scores(scores: Scores) -> Self {
+        Self { scores, failed: None, placements: Placements::default() }
+    }
 }
 
 /// How long frames and questions took.

@@ -2,17 +2,20 @@
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox, Vocabulary};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::decoded_box::{DecodedBox, decoded_boxes};
 use super::model::Florence2;
 use super::task::Task;
-use crate::detector::{Detector, Grounder, PerceptionError, check_image};
+use crate::detector::{Detector, Grounder, Grounding, PerceptionError, check_image};
+use crate::engine::Tensor;
 use crate::image::Region;
 use crate::numbered::category;
 use crate::tiling::Candidate;
 use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
+use crate::view::View;
 
 /// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -72,19 +75,23 @@ impl FlorenceDetector {
     /// # Panics
     /// When the part is not in the picture.
     pub fn look(&self, image: &Image, part: Region) -> Result<Vec<DecodedBox>, PerceptionError> {
-        self.look_for(image, part, &self.prompt)
+        check_image(image)?;
+        self.read(&self.see(image, part)?, part, &self.prompt)
     }
 
-    fn look_for(
+    /// The image tokens of a part of a picture.
+    fn see(&self, image: &Image, part: Region) -> Result<Tensor, PerceptionError> {
+        self.model.see(&self.model.config().picture.prepare_part(image, part))
+    }
+
+    /// The boxes that the model writes for image tokens, in pixels of their part of the picture.
+    fn read(
         &self,
-        image: &Image,
+        seen: &Tensor,
         part: Region,
         prompt: &[u32],
     ) -> Result<Vec<DecodedBox>, PerceptionError> {
-        check_image(image)?;
-        let config = self.model.config();
-        let seen = self.model.see(&config.picture.prepare_part(image, part))?;
-        let sequence = self.model.answer(&seen, prompt, &config.decode)?;
+        let sequence = self.model.answer(seen, prompt, &self.model.config().decode)?;
         let size_px = [part.width_px as f64, part.height_px as f64];
         let decoded = decoded_boxes(&sequence, self.first_location, size_px);
         let label = |ids: &[u32]| self.model.tokens().decode_words(ids);
@@ -116,20 +123,35 @@ impl Detector for FlorenceDetector {
 }
 
 impl Grounder for FlorenceDetector {
-    /// Open-vocabulary detection of the sentence; all boxes count as people.
+    /// Open-vocabulary detection of each sentence; all boxes count as people.
     fn ground(
         &self,
-        image: &Image,
         frame: &FrameId,
-        sentence: &str,
-    ) -> Result<Detections, PerceptionError> {
-        let sentence = sentence.trim_end_matches(['.', '?', '!']);
-        let prompt = self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))?;
+        view: &View<'_>,
+        sentences: &[&str],
+    ) -> Result<Vec<Grounding>, PerceptionError> {
+        let image = match view.pixels() {
+            Ok(image) => image,
+            Err(issue) => return Ok(vec![Err(issue); sentences.len()]),
+        };
+        let spell = |sentence: &&str| {
+            let sentence = sentence.trim_end_matches(['.', '?', '!']);
+            self.model.spell(&Task::OpenVocabularyDetection(sentence.into()))
+        };
+        let prompts: Vec<Vec<u32>> = sentences.iter().map(spell).collect::<Result<_, _>>()?;
         let person = |candidate| Candidate { category: PERSON.into(), ..candidate };
-        self.config.tiles.detect(image, frame, |tile| {
-            let found = self.look_for(image, tile.region(image), &prompt)?;
-            Ok(found.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
-        })
+        let look = |tile: Tile| {
+            let part = tile.region(image);
+            let seen = self.see(image, part)?;
+            let people = |prompt: &Vec<u32>| -> Result<Vec<Candidate>, PerceptionError> {
+                let found = self.read(&seen, part, prompt)?;
+                Ok(found.iter().filter_map(|one| candidate(one, tile)).map(person).collect())
+            };
+            let each: Vec<Result<_, _>> = prompts.par_iter().map(people).collect();
+            each.into_iter().collect()
+        };
+        let found = self.config.tiles.detect_each(image, frame, sentences.len(), look)?;
+        Ok(found.into_iter().map(Ok).collect())
     }
 }
 

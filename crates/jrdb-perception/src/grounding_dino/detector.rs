@@ -2,15 +2,17 @@
 
 use jrdb_types::detection::PERSON;
 use jrdb_types::{Detections, FrameId, Image, PixelBox, Vocabulary};
+use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::model::{Grounded, GroundingConfig, GroundingDino};
-use crate::detector::{Detector, Grounder, PerceptionError};
+use crate::detector::{Detector, Grounder, Grounding, PerceptionError};
 use crate::numbered::category;
 use crate::tiling::Candidate;
 use crate::tiling::PanoramaConfig;
 use crate::tiling::Tile;
 use crate::tiling::tiled::in_range;
+use crate::view::View;
 
 /// Settings of the detector.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -104,16 +106,25 @@ impl Detector for GroundingDetector {
 }
 
 impl Grounder for GroundingDetector {
-    /// The sentence is one phrase; all boxes count as people.
+    /// A sentence is one phrase; all boxes count as people. The model sees image and words in one
+    /// graph, so that each sentence is a run of its own.
     fn ground(
         &self,
-        image: &Image,
         frame: &FrameId,
-        sentence: &str,
-    ) -> Result<Detections, PerceptionError> {
-        let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
-        let ids = self.model.spell(&format!("{sentence}."))?;
-        let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
-        self.config.tiles.detect(image, frame, look)
+        view: &View<'_>,
+        sentences: &[&str],
+    ) -> Result<Vec<Grounding>, PerceptionError> {
+        let image = match view.pixels() {
+            Ok(image) => image,
+            Err(issue) => return Ok(vec![Err(issue); sentences.len()]),
+        };
+        let ground = |sentence: &&str| {
+            let sentence = sentence.trim_end_matches(['.', '?', '!']).replace(['.', '?'], " ");
+            let ids = self.model.spell(&format!("{sentence}."))?;
+            let look = |tile| self.look_at_tile(image, tile, &ids, &|_| Some(PERSON.into()));
+            self.config.tiles.detect(image, frame, look).map(Ok)
+        };
+        let each: Vec<Result<_, _>> = sentences.par_iter().map(ground).collect();
+        each.into_iter().collect()
     }
 }

@@ -14,8 +14,8 @@ pub struct JsonBox {
 
 /// Reads boxes from an answer in JSON, with or without a fence around it.
 ///
-/// The answer is a list or a single object; its numbers are pixels of the resized picture. `scale`
-/// converts them to pixels of the original picture, along x and y.
+/// The answer is a list of objects with corners, a list of corners, or one of these; its numbers
+/// are pixels of the resized picture. `scale` converts them to pixels of the original picture, along x and y.
 ///
 /// # Errors
 /// [`PerceptionError::File`] if the answer holds no JSON. Entries without four numbers are skipped.
@@ -31,18 +31,23 @@ pub fn json_boxes(answer: &str, scale: [f64; 2]) -> Result<Vec<JsonBox>, Percept
     let inside = answer.get(start..end.max(start)).unwrap_or_default();
     let value: serde_json::Value = parse_json("answer in JSON", inside)?;
     let entries = match value {
-        serde_json::Value::Array(entries) => entries,
+        serde_json::Value::Array(entries) if corners(&entries).is_none() => entries,
         single => vec![single],
     };
     let read = |entry: &serde_json::Value| {
-        let place = ["bbox_2d", "bbox", "box"].iter().find_map(|key| entry.get(key))?.as_array()?;
-        let numbers: Vec<f64> = place.iter().filter_map(serde_json::Value::as_f64).collect();
-        let corners: [f64; 4] = numbers.try_into().ok()?;
+        let named = ["bbox_2d", "bbox", "box"].iter().find_map(|key| entry.get(key));
+        let corners = corners(named.unwrap_or(entry).as_array()?)?;
         let corners = std::array::from_fn(|axis| corners[axis] * scale[axis % 2]);
         let label = entry.get("label").and_then(|label| label.as_str()).unwrap_or_default();
         Some(JsonBox { label: label.into(), corners })
     };
     Ok(entries.iter().filter_map(read).collect())
+}
+
+/// The corners that four numbers are.
+fn corners(entries: &[serde_json::Value]) -> Option<[f64; 4]> {
+    let numbers: Option<Vec<f64>> = entries.iter().map(serde_json::Value::as_f64).collect();
+    numbers?.try_into().ok()
 }
 
 #[cfg(test)]

@@ -6,8 +6,10 @@
 mod json_boxes;
 mod question;
 mod reply;
+mod text_boxes;
 
 pub use json_boxes::{JsonBox, json_boxes};
 pub use question::{Question, Topic, questions};
 pub(crate) use question::{believed, put};
 pub use reply::label_in;
+pub use text_boxes::text_boxes;

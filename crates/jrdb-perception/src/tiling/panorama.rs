@@ -74,6 +74,19 @@ impl PanoramaConfig {
         frame: &FrameId,
         look: impl Fn(Tile) -> Result<Vec<Candidate>, PerceptionError> + Sync,
     ) -> Result<Detections, PerceptionError> {
+        let look = |tile| Ok(vec![look(tile)?]);
+        Ok(self.detect_each(image, frame, 1, look)?.swap_remove(0))
+    }
+
+    /// [`PanoramaConfig::detect`] for so many searches at once: `look` returns the candidates of
+    /// each in a tile.
+    pub(crate) fn detect_each(
+        &self,
+        image: &Image,
+        frame: &FrameId,
+        searches: usize,
+        look: impl Fn(Tile) -> Result<Vec<Vec<Candidate>>, PerceptionError> + Sync,
+    ) -> Result<Vec<Detections>, PerceptionError> {
         check_image(image)?;
         self.check()?;
         let geometry = ImageGeometry {
@@ -82,14 +95,18 @@ impl PanoramaConfig {
             wraps: self.wraps,
         };
         let tiles = self.tiles(geometry);
-        let looks: Vec<Result<Vec<Candidate>, _>> =
+        let looks: Vec<Result<Vec<Vec<Candidate>>, _>> =
             tiles.par_iter().map(|tile| look(*tile)).collect();
-        let mut candidates = Vec::new();
+        let mut found: Vec<Vec<Candidate>> = vec![Vec::new(); searches];
         for look in looks {
-            candidates.extend(look?);
+            for (all, candidates) in found.iter_mut().zip(look?) {
+                all.extend(candidates);
+            }
         }
-        let kept = merge(&candidates, &tiles, geometry, &self.merge);
-        let frame = frame.clone();
-        Ok(Detections::new(frame, geometry, numbered(kept)))
+        let merged = |candidates: &Vec<Candidate>| {
+            let kept = merge(candidates, &tiles, geometry, &self.merge);
+            Detections::new(frame.clone(), geometry, numbered(kept))
+        };
+        Ok(found.par_iter().map(merged).collect())
     }
 }

@@ -58,6 +58,7 @@ fn unit(unit: Unit) -> &'static str {
     match unit {
         Unit::Percent => "percent",
         Unit::Billions => "billions",
+        Unit::Mixed => "as_named",
     }
 }
 
