@@ -1,7 +1,7 @@
 //! Every condition of a pattern on every thing it may mean: truths, probabilities and witnesses, kept for the trace.
 
 use jrdb_graph::BitSet;
-use jrdb_types::query::{Category, Pick};
+use jrdb_types::query::{Category, Measures, Pick};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
 
@@ -10,6 +10,7 @@ use crate::place;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
 use crate::value::{NOBODY, Truth, Value};
+use crate::measure::within_truth;
 use crate::{World, attribute, ranked};
 
 impl Searcher<'_, '_> {
@@ -21,8 +22,7 @@ impl Searcher<'_, '_> {
 
     /// Evaluates a pattern on some things.
     pub(crate) fn evaluate_on<'q>(&self, pattern: &'q Pattern, kind: BitSet) -> Evaluated<'q> {
-        let columns: Vec<Column<'q>> =
-            pattern.conditions.iter().map(|condition| self.column_of(condition, &kind)).collect();
+        let columns = self.columns_of(pattern, &kind);
         let mut verdicts = vec![Verdict::OTHER_KIND; self.index.size()];
         let mut passed = BitSet::new(self.index.size());
         for number in kind.iter() {
@@ -36,6 +36,25 @@ impl Searcher<'_, '_> {
             self.pick_from(&mut evaluated, pick);
         }
         evaluated
+    }
+
+    /// The conditions of a pattern; how things look is asked last, about those that may match.
+    fn columns_of<'q>(&self, pattern: &'q Pattern, kind: &BitSet) -> Vec<Column<'q>> {
+        let asks = |condition: &Condition| condition.asks_looks();
+        if !pattern.conditions.iter().any(asks) {
+            return pattern.conditions.iter().map(|c| self.column_of(c, kind)).collect();
+        }
+        let mut open = kind.clone();
+        let mut columns: Vec<Option<Column<'q>>> = Vec::new();
+        for condition in &pattern.conditions {
+            let column = (!asks(condition)).then(|| self.column_of(condition, kind));
+            if let Some(column) = &column {
+                open.retain(|number| column.values[number].truth != Truth::No);
+            }
+            columns.push(column);
+        }
+        let each = pattern.conditions.iter().zip(columns);
+        each.map(|(c, column)| column.unwrap_or_else(|| self.column_of(c, &open))).collect()
     }
 
     /// Leaves those that a pick takes for sure. Where nothing matches, or may match, it is made from the best guess.
@@ -139,6 +158,19 @@ impl Searcher<'_, '_> {
                 let comparison = self.comparison(compared);
                 fill(&|number| Value::certain(comparison.truth(number)));
                 Inner::Comparison(comparison)
+            }
+            Condition::Measures(Measures { measure, within }) => {
+                let measures = self.measures(measure);
+                fill(&|number| Value::certain(within_truth(measures[number], within)));
+                Inner::Leaf
+            }
+            Condition::Looks(phrase) => {
+                fill(&|number| self.looks(number, &phrase.words));
+                Inner::Leaf
+            }
+            Condition::Id(id) => {
+                fill(&|number| Value::certain(self.id_truth(number, *id)));
+                Inner::Leaf
             }
             Condition::Phrase(_) => {
                 fill(&|_| Value::NOT_UNDERSTOOD);

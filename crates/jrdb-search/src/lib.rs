@@ -14,6 +14,7 @@ mod group;
 mod issues;
 mod known;
 mod link;
+mod looks;
 mod measure;
 mod observer;
 mod place;
@@ -34,5 +35,6 @@ mod value;
 
 pub use benchmark::benchmark_sub_answer;
 pub use config::{Existentials, Pooling, SearchConfig, SlotOrder, World};
-pub use search::{search, search_frames, search_indexed, select};
+pub use looks::{Blind, Looks};
+pub use search::{search, search_frames, search_indexed, search_with, select};
 pub use sensitivity::sensitivity;

@@ -1,8 +1,10 @@
 //! What the parser hands on: a question as an algebra of conditions on things and on their relations.
 
+mod command;
 mod phrase;
 mod serial;
 
+pub use command::Command;
 pub use phrase::Phrase;
 
 use serde::{Deserialize, Serialize};
@@ -41,6 +43,42 @@ pub enum Task {
     },
     /// Where are they: a place in words and metres.
     Where,
+    /// Does what is asked hold of all of them, of none, of most: yes or no.
+    Each {
+        /// Of how many.
+        share: Share,
+        /// What is asked of each.
+        asked: Vec<Condition>,
+    },
+    /// Which of these alternatives holds of them.
+    Choice {
+        /// The alternatives.
+        options: Vec<Condition>,
+    },
+    /// Where are they from another thing: how far, or in which direction.
+    From {
+        /// The distance or the direction.
+        property: Property,
+        /// The other thing.
+        partner: Box<Pattern>,
+    },
+    /// How many groups do they form: a number. A person alone forms none.
+    Groups,
+}
+
+/// How many of those meant a statement must hold of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "snake_case")]
+pub enum Share {
+    /// Of all: "all", "every", "both".
+    All,
+    /// Of none: "none of", "neither".
+    None,
+    /// Of more than half.
+    Most,
+    /// Of half or more.
+    Half,
 }
 
 /// How many things there must be.
@@ -109,6 +147,12 @@ pub enum Property {
     ObjectsAround,
     /// What kind of thing it is.
     Category,
+    /// How tall it is, metres.
+    Height,
+    /// How fast it moves over the ground, metres per second.
+    Speed,
+    /// Which way it faces, in words from where the robot is.
+    Facing,
     /// The value of an attribute.
     #[cfg_attr(feature = "schema", schemars(untagged))]
     Attribute(Attribute),
@@ -278,6 +322,16 @@ pub struct Compared {
     pub than: Box<Pattern>,
 }
 
+/// A measure within bounds: "at least 1.8 m tall".
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Measures {
+    /// What is measured: height in metres, speed in metres per second.
+    pub measure: Measure,
+    /// The bounds.
+    pub within: Interval,
+}
+
 /// One thing asked of a candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -291,6 +345,13 @@ pub enum Condition {
     Related(Related),
     /// More or less of something than others.
     Compared(Compared),
+    /// A measure of it within bounds.
+    Measures(Measures),
+    /// How it looks, or what it wears, holds or does, in words that no table holds. Perception that
+    /// can be asked decides; to any other it is unknown.
+    Looks(Phrase),
+    /// It has this number: "#4".
+    Id(u32),
     /// What these words say of it. They were not understood, so it is unknown whether it holds.
     Phrase(Phrase),
     /// It is one of these.
@@ -328,6 +389,17 @@ impl Condition {
         match self {
             Self::Related(_) | Self::Compared(_) | Self::Is(_) => true,
             Self::Not(_) | Self::Any(_) | Self::All(_) => self.has_relations(),
+            _ => false,
+        }
+    }
+
+    /// Whether it asks how something looks, itself or in a part, but not of other things.
+    #[must_use]
+    pub fn asks_looks(&self) -> bool {
+        match self {
+            Self::Looks(_) => true,
+            Self::Not(inner) => inner.asks_looks(),
+            Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::asks_looks),
             _ => false,
         }
     }
@@ -386,6 +458,9 @@ pub struct Query {
     pub task: Task,
     /// Of which things.
     pub target: Pattern,
+    /// What is to be done with the things found; absent where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Command>,
     /// What the target does when, one after the other; empty where no time is spoken of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<Slot>,
@@ -396,5 +471,5 @@ pub struct Query {
 
 impl Payload for Query {
     const SCHEMA: &'static str = "jrdb.query";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 }

@@ -46,7 +46,7 @@ impl Parser<'_> {
         let text = self.text.into();
         target.conditions.extend(self.unread());
         let (slots, issues) = self.finish();
-        Query { text, task, target, slots, issues }
+        Query { text, task, target, command: None, slots, issues }
     }
 
     /// Any form of question: the task, and the pattern that it is about.

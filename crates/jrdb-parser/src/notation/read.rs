@@ -1,8 +1,8 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Phrase, Pick, Place, Property, Quantity, Related,
-    RelationKind, Slot, Task, Viewpoint,
+    Category, Command, Compared, Interval, Measure, Measures, Order, Phrase, Pick, Place, Property, Quantity,
+    Related, RelationKind, Share, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Elevation, PairWord, Sector};
 use jrdb_types::{
@@ -30,25 +30,36 @@ pub fn read(text: &str) -> Result<Query, NotationError> {
     let mut reader = Reader::new(text);
     let mut task = reader.task()?;
     let target = reader.pattern()?;
-    if let Task::CompareCounts { than, .. } = &mut task {
-        reader.expect("than")?;
-        **than = reader.pattern()?;
+    match &mut task {
+        Task::CompareCounts { than, .. } => {
+            reader.expect("than")?;
+            **than = reader.pattern()?;
+        }
+        Task::From { partner, .. } => {
+            reader.expect("from")?;
+            **partner = reader.pattern()?;
+        }
+        _ => {}
     }
     let mut slots = Vec::new();
     while reader.takes("slot") {
         slots.push(reader.slot()?);
     }
+    let command = if reader.takes("command") { Some(reader.command()?) } else { None };
     match reader.peek() {
-        None => Ok(Query { text: text.into(), task, target, slots, issues: Vec::new() }),
+        None => Ok(Query { text: text.into(), task, target, command, slots, issues: Vec::new() }),
         Some(_) => Err(reader.wanted("the end")),
     }
 }
 
 impl Reader<'_> {
     fn task(&mut self) -> Read<Task> {
-        let words = ["find", "count", "where", "exists", "which", "more", "fewer"];
-        let Some(word) = words.into_iter().find(|word| self.is(word)) else {
-            return Err(self.wanted("find, count, exists, which, where, more or fewer"));
+        const WORDS: [&str; 12] = [
+            "find", "count", "where", "exists", "which", "more", "fewer", "each", "choice",
+            "distance", "direction", "groups",
+        ];
+        let Some(word) = WORDS.into_iter().find(|word| self.is(word)) else {
+            return Err(self.wanted(&WORDS.join(", ")));
         };
         self.at += 1;
         Ok(match word {
@@ -57,12 +68,54 @@ impl Reader<'_> {
             "where" => Task::Where,
             "exists" => Task::Exists(self.quantity()?),
             "which" => self.which()?,
+            "groups" => Task::Groups,
+            "each" => self.each()?,
+            "choice" => {
+                self.expect("[")?;
+                let options = self.conditions("]")?;
+                self.expect("of")?;
+                Task::Choice { options }
+            }
+            "distance" | "direction" => {
+                let is_far = word == "distance";
+                let property = if is_far { Property::Distance } else { Property::Direction };
+                self.expect("of")?;
+                // The other end follows the target.
+                Task::From { property, partner: Box::default() }
+            }
             _ => {
                 let order = if word == "more" { Order::Most } else { Order::Least };
                 // What they are compared with follows the target.
                 Task::CompareCounts { order, than: Box::default() }
             }
         })
+    }
+
+    /// `all [sitting] of`.
+    fn each(&mut self) -> Read<Task> {
+        let share = match () {
+            () if self.takes("all") => Share::All,
+            () if self.takes("none") => Share::None,
+            () if self.takes("most") => Share::Most,
+            () if self.takes("half") => Share::Half,
+            () => return Err(self.wanted("all, none, most or half")),
+        };
+        self.expect("[")?;
+        let asked = self.conditions("]")?;
+        self.expect("of")?;
+        Ok(Task::Each { share, asked })
+    }
+
+    /// `"take" "this" to "the kitchen"`.
+    fn command(&mut self) -> Read<Command> {
+        let verb = self.quoted().ok_or_else(|| self.wanted("a quoted verb"))?;
+        let object = self.quoted();
+        let destination = if self.takes("to") {
+            Some(self.quoted().ok_or_else(|| self.wanted("a quoted place"))?)
+        } else {
+            None
+        };
+        Ok(Command { verb, object, destination })
     }
 
     fn which(&mut self) -> Read<Task> {
@@ -153,6 +206,19 @@ impl Reader<'_> {
             let words = self.quoted().ok_or_else(|| self.wanted("quoted words"))?;
             return Ok(Condition::Phrase(Phrase { words, span: None }));
         }
+        if self.takes("looks") {
+            let words = self.quoted().ok_or_else(|| self.wanted("quoted words"))?;
+            return Ok(Condition::Looks(Phrase { words, span: None }));
+        }
+        if self.takes("#") {
+            return Ok(Condition::Id(self.whole()?));
+        }
+        if let Some(measure) = self.measured() {
+            let min = self.number();
+            self.expect("..")?;
+            let within = Interval { min, max: self.number() };
+            return Ok(Condition::Measures(Measures { measure, within }));
+        }
         if self.takes("is") {
             return Ok(Condition::Is(Box::new(self.pattern()?)));
         }
@@ -219,6 +285,15 @@ impl Reader<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// What bounds can be asked of.
+    fn measured(&mut self) -> Option<Measure> {
+        match () {
+            () if self.takes("height") => Some(Measure::Height),
+            () if self.takes("speed") => Some(Measure::Speed),
+            () => None,
+        }
     }
 
     fn compared(&mut self, order: Order) -> Read<Condition> {

@@ -57,9 +57,12 @@ impl Reach {
                 parts.max().unwrap_or(Self::Nothing)
             }
             Condition::GroupSize(_) => Self::Everything,
-            Condition::Attribute(_) | Condition::FromRobot(_) | Condition::Phrase(_) => {
-                Self::Nothing
-            }
+            Condition::Attribute(_)
+            | Condition::FromRobot(_)
+            | Condition::Measures(_)
+            | Condition::Looks(_)
+            | Condition::Id(_)
+            | Condition::Phrase(_) => Self::Nothing,
         }
     }
 
