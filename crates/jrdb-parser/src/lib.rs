@@ -48,7 +48,18 @@ pub fn parse(text: &str) -> Query {
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
-    Parser::new(text, config, &tokens, issues).question()
+    let viewed = viewed(&mut tokens, config);
+    Parser::new(text, &viewed, &tokens, issues).question()
+}
+
+/// Takes out "from where I stand" and "as the robot sees it", which say whose left is meant.
+fn viewed(tokens: &mut token::Tokens, config: &ParserConfig) -> ParserConfig {
+    let is_view = |token: &token::Token| token.roles.has(lexicon::Role::RobotView);
+    if !tokens.iter().any(is_view) {
+        return config.clone();
+    }
+    tokens.retain(|token| !is_view(token));
+    ParserConfig { viewpoint: OfPerson::Robot }
 }
 
 /// Whether any part of the text was understood: whether a word states what is asked or about what.

@@ -187,7 +187,12 @@ impl Parser<'_> {
     /// taller, the man or the woman".
     fn comma(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
-        let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
+        let is_bare = pattern.category == Category::Person
+            && self.is_bare_thing_at(self.state.at + 1)
+            && !(self.state.at..self.state.tokens.len()).any(|at| {
+                self.roles_at(at).has_any(Roles::of(&[Role::And, Role::Or]))
+            });
+        let is_list = is_top && !is_bare && (!clause.is_clause || pattern.pick.is_some());
         if is_list && self.is_noun_group_next() && !self.is_next_located_by_his() {
             return false;
         }

@@ -10,6 +10,9 @@ use crate::parser::Parser;
 use crate::pattern::{push_related, truncated_antecedent};
 use crate::phrase::Partner;
 
+/// Words before the object of a deed.
+const OBJECT_ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
+
 impl Parser<'_> {
     /// Partners of a subject, which is the antecedent of pronouns among them.
     pub(crate) fn partners_of(&mut self, subject: &Pattern) -> Vec<Partner> {
@@ -140,6 +143,12 @@ impl Parser<'_> {
             }
             return;
         }
+        if self.is_unknown_object_at_hand() {
+            let verb = self.state.at - 1;
+            let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+            let end = self.description_end(first).max(first + 1);
+            return self.push_looks(pattern, verb, end);
+        }
         let partners =
             if self.is_object_at_hand() { self.partners_of(pattern) } else { Vec::new() };
         if partners.is_empty() {
@@ -161,6 +170,21 @@ impl Parser<'_> {
             object.conditions.extend(named.conditions);
         }
         object
+    }
+
+    /// "a balloon", "his left arm": no thing of the lexicon.
+    fn is_unknown_object_at_hand(&self) -> bool {
+        const STRANGE: Roles = Roles::of(&[
+            Role::Unknown, Role::Looks, Role::Garment, Role::Color, Role::Shade, Role::Sector,
+            Role::Implies,
+        ]);
+        let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+        let last = self.next_not_in(first, STRANGE);
+        let is_strange = |at: usize| {
+            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Looks, Role::Garment]))
+        };
+        let is_noun = self.roles_at(last).has_any(Roles::of(&[Role::Noun, Role::One]));
+        !is_noun && (first..last).any(is_strange) && !self.is(Role::Noun)
     }
 
     fn is_object_at_hand(&self) -> bool {
@@ -208,7 +232,9 @@ impl Parser<'_> {
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
             self.state.at = start;
-            let alone = if is_mutual {
+            let is_both = entry.relation.is_some() && entry.relation_too.is_some() && is_away
+                && entry.implies.is_empty();
+            let alone = if is_mutual || is_both {
                 Pattern::default()
             } else if is_away || !entry.implies.is_empty() {
                 Pattern::of(Category::Robot)
@@ -264,13 +290,41 @@ impl Parser<'_> {
 
     /// Adds what an adjective implies.
     pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
-        let entry = self.entry();
-        if !entry.roles.has(Role::Implies) {
+        let (roles, at) = (self.roles(), self.state.at);
+        if !roles.has(Role::Implies) {
             return false;
         }
+        let is_race = roles.has(Role::Color);
+        if is_race && !self.is_race_said_of(pattern) {
+            let end = self.description_end(at).max(at + 1);
+            self.push_looks(pattern, at, end);
+            return true;
+        }
         self.bump();
-        pattern.conditions.extend(entry.implies.iter().cloned());
+        pattern.conditions.extend(self.implied(at));
         true
+    }
+}
+
+impl Parser<'_> {
+    /// Whether the colour at hand is said of a person behind "is".
+    fn is_race_said_of(&self, subject: &Pattern) -> bool {
+        const LIST: Roles = Roles::of(&[
+            Role::Implies, Role::Comma, Role::And, Role::Or, Role::Not, Role::Filler,
+            Role::Either, Role::Neither,
+        ]);
+        let is_person = matches!(subject.category, Category::Person | Category::Anything);
+        let mut before = self.state.at;
+        while before > 0 && self.roles_at(before - 1).has_any(LIST) && !self.is_at(before - 1, Role::Is) {
+            before -= 1;
+        }
+        let is_said = before > 0
+            && self.roles_at(before - 1).has_any(Roles::of(&[Role::Is, Role::Asks, Role::Noun, Role::One]));
+        let is_asked = (0..before).any(|at| self.is_at(at, Role::Is));
+        let ends = !self.roles_at(self.state.at + 1).has_any(Roles::of(&[
+            Role::Garment, Role::Looks, Role::Color, Role::Worn,
+        ]));
+        is_person && ends && is_said && (self.is_at(before.wrapping_sub(1), Role::Is) || is_asked)
     }
 }
 

@@ -67,15 +67,21 @@
 //! Everything below this folder is free of cycles: `lexicon`, `suggest`, `token`, `issues`,
 //! `pattern`, `phrase` and `parser` do not know any production.
 
+mod appearance;
 mod clause;
 mod clothes;
+mod choice;
+mod command;
 mod coordination;
+mod discourse;
 mod distribution;
 mod interaction;
 mod location;
+mod garment;
 mod noun;
 mod number;
 mod place;
+mod passive;
 mod possession;
 mod predicate;
 mod question;
@@ -83,6 +89,7 @@ mod subject;
 mod superlative;
 mod target;
 mod time;
+mod view;
 mod wh;
 
 #[cfg(test)]

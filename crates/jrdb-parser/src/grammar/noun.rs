@@ -1,9 +1,10 @@
 //! Noun groups: "the two oldest women", "a young, White and male person".
 
-use jrdb_types::query::{Category, Place, Quantity};
-use jrdb_types::{Attribute, Condition, Direction, Pattern};
+use jrdb_types::query::{Category, Order, Place, Quantity, Share};
+use jrdb_types::{Age, Attribute, Condition, Direction, Pattern};
 
-use crate::lexicon::{Role, Roles};
+use crate::grammar::appearance::VISIBLE;
+use crate::lexicon::{Measured, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{all_of, join_alternative, join_exclusive};
 use crate::phrase::NounGroup;
@@ -24,6 +25,8 @@ const DETERMINERS: Roles = Roles::of(&[
     Role::Several,
     Role::No,
     Role::Between,
+    Role::Most,
+    Role::Half,
 ]);
 
 /// What may stand between a word and the noun it belongs to.
@@ -38,6 +41,10 @@ pub(crate) const BEFORE_NOUN: Roles = Roles::of(&[
     Role::Unknown,
     Role::Non,
     Role::Last,
+    Role::Looks,
+    Role::Color,
+    Role::Shade,
+    Role::Other,
 ]);
 
 /// What can begin a noun group.
@@ -65,10 +72,20 @@ pub(crate) const NOUN_START: Roles = Roles::of(&[
     Role::Between,
     Role::Non,
     Role::Last,
+    Role::Looks,
+    Role::Color,
+    Role::Shade,
+    Role::Other,
+    Role::IdMark,
+    Role::Most,
+    Role::Half,
 ]);
 
 /// What may stand between adjectives.
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or]);
+
+/// What may begin a description before a noun.
+const LOOKING: Roles = VISIBLE.and(Roles::of(&[Role::Wholly, Role::Implies]));
 
 /// Words that may stand between a word and its noun.
 const LOOK_MAX: usize = 8;
@@ -90,7 +107,8 @@ impl Parser<'_> {
         group.start = self.state.at;
         self.determiners(group);
         let is_described = self.adjectives(group);
-        if self.noun(group) || is_described {
+        if self.noun(group) || self.counted_pronoun(group) || is_described {
+            reconcile_ages(group);
             self.after_noun(group);
             self.owned(group);
             return true;
@@ -106,8 +124,13 @@ impl Parser<'_> {
             }
             let roles = self.roles();
             let is_noun = roles.has(Role::Noun) || self.is_pronoun();
-            if roles.has(Role::All) && !is_noun {
+            if let Some(share) = self.share().filter(|_| !is_noun) {
+                group.share = Some(share);
                 group.is_all = true;
+                group.quantity = None;
+            } else if roles.has(Role::All) && !is_noun {
+                group.is_all = true;
+                group.share = Some(Share::All);
             } else if roles.has(Role::Number) && self.is_count() {
                 let at = self.state.at;
                 group.count = self.whole().map(|count| (count, at));
@@ -125,6 +148,20 @@ impl Parser<'_> {
                 return;
             }
             self.bump();
+        }
+    }
+
+    /// "most of", "half of", "none of".
+    fn share(&self) -> Option<Share> {
+        let roles = self.roles();
+        if roles.has(Role::Most) {
+            Some(Share::Most)
+        } else if roles.has(Role::Half) {
+            Some(Share::Half)
+        } else if roles.has(Role::NoneOf) {
+            Some(Share::None)
+        } else {
+            None
         }
     }
 
@@ -236,14 +273,24 @@ impl Parser<'_> {
 
     fn adjective(&mut self, group: &mut NounGroup) -> bool {
         let (roles, at) = (self.roles(), self.state.at);
+        if roles.has_any(LOOKING) && self.looking(group) {
+            return true;
+        }
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
-        if roles.has(Role::Noun) || roles.has(Role::Implies) && self.is_adjective_here() {
-            if !self.color_of_object() {
-                group.pattern.conditions.extend(self.entry().implies.iter().cloned());
-                self.bump();
-            }
+        let is_race = roles.has(Role::Color) && roles.has(Role::Implies);
+        if roles.has(Role::Noun)
+            || roles.has(Role::Implies) && self.is_adjective_here() && !(is_race && !self.is_race())
+        {
+            group.pattern.conditions.extend(self.implied(at));
+            self.bump();
+            return true;
+        }
+        if roles.has(Role::Other) {
+            return self.other(group);
+        }
+        if roles.has(Role::Comparative) && self.older(group) {
             return true;
         }
         let is_compared = roles.has(Role::Comparative)
@@ -293,6 +340,94 @@ impl Parser<'_> {
         let Some(place) = distance.or_else(|| self.side_place()) else { return false };
         group.pattern.conditions.push(Condition::FromRobot(place));
         self.bump();
+        true
+    }
+
+    /// Whether the colour at hand is a race: directly before a person, or before what else is said
+    /// of one.
+    fn is_race(&self) -> bool {
+        const LIST: Roles = Roles::of(&[
+            Role::Implies, Role::Comma, Role::And, Role::Or, Role::Group, Role::Filler,
+            Role::Superlative, Role::Slash,
+        ]);
+        let mut next = self.state.at + 1;
+        while self.roles_at(next).has_any(LIST) && !self.is_at(next, Role::Noun) {
+            if next > self.state.at + LOOK_MAX {
+                return false;
+            }
+            next += 1;
+        }
+        let is_one = self.is_at(next, Role::One) && !self.is_at(next, Role::The);
+        let is_person = self.entry_at(next).category == Some(Category::Person);
+        is_person || is_one || self.is_at(next - 1, Role::Group)
+    }
+
+    /// Words that say how the thing looks that is named behind them: "red shirt kid", "black car".
+    fn looking(&mut self, group: &mut NounGroup) -> bool {
+        let checkpoint = self.checkpoint();
+        if self.is_race_at_hand() {
+            return false;
+        }
+        let before = group.pattern.conditions.len();
+        let is_colored = self.roles().has_any(Roles::of(&[Role::Color, Role::Shade, Role::Wholly]));
+        if is_colored && self.clothes(&mut group.pattern) && self.is_person_noun_ahead() {
+            return true;
+        }
+        group.pattern.conditions.truncate(before);
+        self.rewind(checkpoint);
+        self.visible_adjective(&mut group.pattern)
+    }
+
+    fn is_race_at_hand(&self) -> bool {
+        self.is(Role::Color) && self.is(Role::Implies) && self.is_race()
+    }
+
+    fn is_person_noun_ahead(&self) -> bool {
+        let noun = (self.state.at..self.state.at + LOOK_MAX)
+            .find(|at| !self.roles_at(*at).has_any(BEFORE_NOUN) || self.is_at(*at, Role::Noun));
+        noun.is_some_and(|at| self.entry_at(at).category == Some(Category::Person))
+    }
+
+    /// "other": none of those spoken of before.
+    fn other(&mut self, group: &mut NounGroup) -> bool {
+        if self.is(Role::Noun) || !self.is_noun_ahead(self.state.at + 1) {
+            return false;
+        }
+        if self.discourse.is_none() {
+            self.report_unused();
+            return true;
+        }
+        self.bump();
+        self.not_those(&mut group.pattern);
+        true
+    }
+
+    /// Excludes what was spoken of before.
+    pub(crate) fn not_those(&mut self, pattern: &mut Pattern) {
+        let Some(those) = self.discourse.clone() else { return };
+        pattern.category = those.category.clone();
+        let is = Condition::Is(Box::new((*those).clone()));
+        pattern.conditions.push(Condition::Not(Box::new(is)));
+    }
+
+    /// "older" of "an older man" and "the older men": an age, and not the oldest.
+    fn older(&mut self, group: &mut NounGroup) -> bool {
+        let Some((Measured::Age, order)) = self.entry().order else { return false };
+        let next = self.state.at + 1;
+        let noun = (next..next + LOOK_MAX)
+            .find(|at| self.is_at(*at, Role::Noun) || !self.roles_at(*at).has_any(BEFORE_NOUN));
+        let is_noun = noun.is_some_and(|at| self.is_at(at, Role::Noun));
+        let is_plural = noun.is_some_and(|at| self.is_at(at, Role::Plural));
+        let is_definite = (group.start..self.state.at).any(|at| self.is_at(at, Role::The));
+        if !is_noun || is_definite && !is_plural {
+            return false;
+        }
+        self.bump();
+        let age = match order {
+            Order::Most => Condition::has(Age::Elderly),
+            Order::Least => Condition::has(Age::Young),
+        };
+        group.pattern.conditions.push(age);
         true
     }
 
@@ -362,28 +497,143 @@ impl Parser<'_> {
     }
 
     pub(crate) fn noun(&mut self, group: &mut NounGroup) -> bool {
-        let entry = self.entry();
+        let (entry, at) = (self.entry(), self.state.at);
+        if self.marked_id(&mut group.pattern) {
+            return true;
+        }
         if !entry.roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
             return false;
         }
         self.bump();
-        if let Some(category) = &entry.category {
+        if entry.roles.has(Role::Other) {
+            match self.discourse {
+                Some(_) => self.not_those(&mut group.pattern),
+                None => {
+                    self.state.at = at;
+                    self.report_unused();
+                }
+            }
+        } else if let Some(category) = &entry.category {
             group.pattern.category = category.clone();
-            group.pattern.conditions.extend(entry.implies.iter().cloned());
+            group.pattern.conditions.extend(self.implied(at));
+            self.numbered(&mut group.pattern);
             self.state.last_noun = Some(entry);
             group.noun = Some(entry);
         } else {
             group.is_pronoun = true;
             group.noun = self.noun_of_one();
+            if group.noun.is_none() && self.resume_discourse(group) {
+                return true;
+            }
             if let Some(noun) = group.noun {
                 group.pattern.category = noun.category.clone().unwrap_or_default();
                 group.pattern.conditions.extend(noun.implies.iter().cloned());
             }
         }
-        group.is_all |= entry.roles.has(Role::All);
+        if entry.roles.has(Role::All) {
+            (group.is_all, group.share) = (true, Some(Share::All));
+        }
         if entry.roles.has(Role::No) {
             group.quantity = Some(Quantity::NONE);
         }
         true
     }
+
+    /// "the two on the bench": so many people, or of those spoken of before.
+    fn counted_pronoun(&mut self, group: &mut NounGroup) -> bool {
+        const FOLLOWS: Roles = Roles::of(&[
+            Role::At, Role::Who, Role::With, Role::Is, Role::Action, Role::Relation, Role::Near,
+            Role::Interaction, Role::Without, Role::Sector, Role::Of,
+        ]);
+        let at = self.state.at;
+        let is_definite = at > 0 && self.is_at(at - 1, Role::The);
+        if !is_definite || !self.is(Role::Number) || !self.roles_at(at + 1).has_any(FOLLOWS) {
+            return false;
+        }
+        let Some(count) = self.whole() else { return false };
+        if self.is(Role::Of) && self.is_at(self.state.at + 1, Role::Him) {
+            self.bump();
+            self.eat_pronoun();
+        }
+        group.count = Some((count, at));
+        group.share = Some(Share::All);
+        let earlier = self.discourse.clone().or_else(|| self.state.antecedent.clone());
+        if let Some(those) = earlier {
+            group.pattern = (*those).clone();
+        }
+        true
+    }
+
+    /// What was spoken of in the sentences before, for "the one".
+    fn resume_discourse(&mut self, group: &mut NounGroup) -> bool {
+        let Some(those) = self.discourse.clone() else { return false };
+        let earlier = std::mem::take(&mut group.pattern.conditions);
+        group.pattern = (*those).clone();
+        group.pattern.conditions.extend(earlier);
+        true
+    }
+
+    /// "#4", "number four": a person by number.
+    fn marked_id(&mut self, pattern: &mut Pattern) -> bool {
+        let next = self.state.at + 1;
+        if !self.is(Role::IdMark) || !self.is_at(next, Role::Number) {
+            return false;
+        }
+        let start = self.state.at;
+        self.bump();
+        let Some(number) = self.whole() else {
+            self.state.at = start;
+            return false;
+        };
+        pattern.conditions.push(Condition::Id(number));
+        true
+    }
+
+    /// "4" of "person 4", "#4" of "person #4".
+    fn numbered(&mut self, pattern: &mut Pattern) {
+        const MEASURES: Roles =
+            Roles::of(&[Role::Unit, Role::Degrees, Role::Clock, Role::Suffix, Role::Noun, Role::To]);
+        if self.marked_id(pattern) {
+            return;
+        }
+        let next = self.state.at + 1;
+        let is_singular = !self.is_at(self.state.at.wrapping_sub(1), Role::Plural);
+        let is_plain = self.is(Role::Number)
+            && is_singular
+            && !self.roles_at(next).has_any(MEASURES)
+            && !self.is_noun_ahead(next)
+            && !self.is_at(next, Role::Dash);
+        let start = self.state.at;
+        match is_plain.then(|| self.whole()).flatten() {
+            Some(number) => pattern.conditions.push(Condition::Id(number)),
+            None => self.state.at = start,
+        }
+    }
+}
+
+/// Leaves one age of "young girl" and "teenage boy": a young child is a child, and a teenage boy is
+/// no child.
+fn reconcile_ages(group: &mut NounGroup) {
+    let age = |condition: &Condition| match condition {
+        Condition::Attribute(value) if value.attribute() == Attribute::Age => Some(*value),
+        _ => None,
+    };
+    let conditions = &mut group.pattern.conditions;
+    let has = |conditions: &[Condition], wanted: Age| {
+        conditions.iter().filter_map(age).any(|value| value == wanted.into())
+    };
+    let is_named = group.noun.is_some_and(|noun| noun.implies.iter().any(|c| age(c).is_some()));
+    if !is_named {
+        return;
+    }
+    let dropped = if has(conditions, Age::Adolescent) && has(conditions, Age::Child) {
+        Age::Child
+    } else if has(conditions, Age::Young)
+        && (has(conditions, Age::Child) || has(conditions, Age::Adolescent))
+    {
+        Age::Young
+    } else {
+        return;
+    };
+    conditions.retain(|condition| age(condition) != Some(dropped.into()));
 }

@@ -3,7 +3,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
@@ -29,6 +29,11 @@ fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
         Measured::Age => Measure::Age,
         Measured::Speed => Measure::Speed,
     }
+}
+
+/// The middle of a stretch of metres.
+fn middle(metres: &Interval) -> Option<f64> {
+    metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)))
 }
 
 impl Parser<'_> {
@@ -124,12 +129,21 @@ impl Parser<'_> {
         metres: Interval,
         start: usize,
     ) -> bool {
+        if let (Measured::Height, Some(limit)) = (measured, middle(&metres)) {
+            let within = match order {
+                Order::Least => Interval { min: None, max: Some(limit) },
+                Order::Most => Interval { min: Some(limit), max: None },
+            };
+            let measures = Measures { measure: Measure::Height, within };
+            pattern.conditions.push(Condition::Measures(measures));
+            return true;
+        }
         if measured != Measured::Distance {
             let message = "only distances are compared with metres, not used".into();
             self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
-        let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
+        let limit = middle(&metres);
         let metres = match order {
             Order::Least => Interval { min: None, max: limit },
             Order::Most => Interval { min: limit, max: None },
