@@ -49,17 +49,19 @@ pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
     let viewed = viewed(&mut tokens, config);
-    Parser::new(text, &viewed, &tokens, issues).question()
+    let mut parser = Parser::new(text, viewed.as_ref().unwrap_or(config), &tokens, issues);
+    parser.is_viewed = viewed.is_some();
+    parser.question()
 }
 
 /// Takes out "from where I stand" and "as the robot sees it", which say whose left is meant.
-fn viewed(tokens: &mut token::Tokens, config: &ParserConfig) -> ParserConfig {
+fn viewed(tokens: &mut token::Tokens, config: &ParserConfig) -> Option<ParserConfig> {
     let is_view = |token: &token::Token| token.roles.has(lexicon::Role::RobotView);
     if !tokens.iter().any(is_view) {
-        return config.clone();
+        return None;
     }
     tokens.retain(|token| !is_view(token));
-    ParserConfig { viewpoint: OfPerson::Robot }
+    Some(ParserConfig { viewpoint: OfPerson::Robot, ..config.clone() })
 }
 
 /// Whether any part of the text was understood: whether a word states what is asked or about what.

@@ -57,6 +57,8 @@ pub(crate) struct Parser<'t> {
     /// The word where nesting was too deep. A rewind keeps it: the production that stopped there
     /// fails, and the reason must be reported all the same.
     too_deep: Option<usize>,
+    /// The question says from where everything is seen.
+    pub(crate) is_viewed: bool,
     /// "dressed entirely in" was read: the colour is of everything that is worn.
     pub(crate) is_wholly: bool,
     issues: IssueLog,
@@ -134,6 +136,7 @@ impl<'t> Parser<'t> {
             has_pronouns: all.has_any(PRONOUNS) && has_pronouns(tokens),
             has_possessives: all.has(Role::Possessive),
             too_deep: None,
+            is_viewed: false,
             is_wholly: false,
             issues,
             slots,

@@ -97,7 +97,6 @@ pub(crate) struct Target {
     pub(crate) pattern: Pattern,
     pub(crate) quantity: Option<Quantity>,
     pub(crate) count: Option<(u32, usize)>,
-    pub(crate) is_all: bool,
     /// "all", "none of", "most".
     pub(crate) share: Option<Share>,
     /// Number of conditions from the noun group.

@@ -1,7 +1,7 @@
 //! Conditions and patterns of the query algebra, in words.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Measures, Order, Pick, Place, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
 use jrdb_types::{
@@ -17,6 +17,9 @@ pub fn condition(condition: &Condition) -> String {
         Condition::GroupSize(quantity) => group(*quantity),
         Condition::Related(related) => relation(related),
         Condition::Compared(compared) => comparison(compared),
+        Condition::Nearer(Nearer { to, than }) => {
+            format!("nearer to {} than to {}", pattern(to), pattern(than))
+        }
         Condition::Measures(measured) => measures(measured),
         Condition::Looks(phrase) => format!("looks {:?}", phrase.words),
         Condition::Id(number) => format!("#{number}"),

@@ -139,6 +139,11 @@ impl Causes<'_, '_, '_> {
     fn condition(&mut self, condition: &Condition, perhaps: Option<&BitSet>) {
         match condition {
             Condition::Measures(measured) => self.measure(&measured.measure, perhaps),
+            Condition::Nearer(nearer) => {
+                self.places(perhaps);
+                self.pattern(&nearer.to, None);
+                self.pattern(&nearer.than, None);
+            }
             Condition::Looks(phrase) => self.looks(&phrase.words, phrase.span),
             Condition::Id(_) => {}
             Condition::Phrase(phrase) => self.word(&phrase.words, phrase.span),

@@ -164,6 +164,11 @@ impl Searcher<'_, '_> {
                 fill(&|number| Value::certain(within_truth(measures[number], within)));
                 Inner::Leaf
             }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                fill(&|number| Value::certain(truths[number]));
+                Inner::Leaf
+            }
             Condition::Looks(phrase) => {
                 fill(&|number| self.looks(number, &phrase.words));
                 Inner::Leaf

@@ -94,6 +94,10 @@ impl Missing<'_, '_, '_> {
                 self.partner(&compared.than);
             }
             Condition::Measures(measured) => self.measure(&measured.measure),
+            Condition::Nearer(nearer) => {
+                self.partner(&nearer.to);
+                self.partner(&nearer.than);
+            }
             Condition::Looks(_) | Condition::Id(_) | Condition::Phrase(_) => {}
             Condition::Is(pattern) => self.pattern(pattern),
             Condition::Not(inner) => self.condition(inner),

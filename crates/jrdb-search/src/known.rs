@@ -85,6 +85,10 @@ impl Searcher<'_, '_> {
                 let measures = self.measures(&measured.measure);
                 split(&|n| within_truth(measures[n], &measured.within))
             }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                split(&|n| truths[n])
+            }
             Condition::Looks(phrase) => split(&|n| self.looks(n, &phrase.words).truth),
             Condition::Id(id) => split(&|n| self.id_truth(n, *id)),
             Condition::Is(pattern) => self.known_matching(pattern).within(within),

@@ -143,6 +143,7 @@ fn propose(id: &EntityId, condition: &Condition, check: &Check, found: &mut Vec<
         },
         Condition::GroupSize(_)
         | Condition::Measures(_)
+        | Condition::Nearer(_)
         | Condition::Looks(_)
         | Condition::Id(_)
         | Condition::Phrase(_)

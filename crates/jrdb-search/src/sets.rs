@@ -116,6 +116,10 @@ impl<'i> Searcher<'i, '_> {
                 let measures = self.measures(&measured.measure);
                 truth(&|n| within_truth(measures[n], &measured.within))
             }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                truth(&|n| truths[n])
+            }
             Condition::Looks(phrase) => truth(&|n| self.looks(n, &phrase.words).truth),
             Condition::Id(id) => truth(&|n| self.id_truth(n, *id)),
             Condition::Is(pattern) => {

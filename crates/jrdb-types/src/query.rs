@@ -332,6 +332,16 @@ pub struct Measures {
     pub within: Interval,
 }
 
+/// Nearer to one thing than to another.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct Nearer {
+    /// To the nearest of these.
+    pub to: Box<Pattern>,
+    /// Than to the nearest of these.
+    pub than: Box<Pattern>,
+}
+
 /// One thing asked of a candidate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -345,6 +355,8 @@ pub enum Condition {
     Related(Related),
     /// More or less of something than others.
     Compared(Compared),
+    /// It is nearer to one thing than to another.
+    Nearer(Nearer),
     /// A measure of it within bounds.
     Measures(Measures),
     /// How it looks, or what it wears, holds or does, in words that no table holds. Perception that
@@ -387,7 +399,7 @@ impl Condition {
     #[must_use]
     pub fn is_relation(&self) -> bool {
         match self {
-            Self::Related(_) | Self::Compared(_) | Self::Is(_) => true,
+            Self::Related(_) | Self::Compared(_) | Self::Nearer(_) | Self::Is(_) => true,
             Self::Not(_) | Self::Any(_) | Self::All(_) => self.has_relations(),
             _ => false,
         }

@@ -55,7 +55,7 @@ impl Parser<'_> {
     pub(crate) fn described(&mut self, pattern: &mut Pattern) -> bool {
         let first = self.next_not_in(self.state.at, ARTICLES);
         let end = self.description_end(first);
-        if end == first || self.names_thing_at(end) || !self.is_visible(first, end) {
+        if end == first || self.is_thing_alone(first, end) || self.names_thing_at(end) || !self.is_visible(first, end) {
             return false;
         }
         self.push_looks(pattern, first, end);
@@ -66,17 +66,23 @@ impl Parser<'_> {
     pub(crate) fn worn_words(&mut self, pattern: &mut Pattern) -> bool {
         let first = self.next_not_in(self.state.at, ARTICLES);
         let end = self.description_end(first);
-        let found = end > first && !self.names_thing_at(end);
+        let found =
+            end > first && !self.names_thing_at(end) && !self.is_thing_alone(first, end);
         if found {
             self.push_looks(pattern, first, end);
         }
         found
     }
 
+    /// "jacket", which is a class of things too.
+    fn is_thing_alone(&self, first: usize, end: usize) -> bool {
+        end == first + 1 && self.is_at(first, Role::Noun) && self.is_at(first, Role::Garment)
+    }
+
     /// "smiling", "reading a book": what is done or how somebody looks, behind a noun or a verb.
     pub(crate) fn deed(&mut self, pattern: &mut Pattern) -> bool {
         let start = self.state.at;
-        if !self.is(Role::Looks) || self.is(Role::Noun) {
+        if !self.is(Role::Looks) || self.roles().has_any(Roles::of(&[Role::Noun, Role::Body])) {
             return false;
         }
         let is_deed = self.is(Role::Deed);

@@ -87,6 +87,7 @@ impl Parser<'_> {
             pattern = options.pop().unwrap_or(pattern);
         }
         let target = self.finish_target(NounGroup { pattern, ..NounGroup::default() });
+        drop_shared(&mut options);
         let all = options.into_iter().map(|option| crate::pattern::all_of(option.conditions));
         let task = match is_choice {
             true => Task::Choice { options: all.collect() },
@@ -128,6 +129,19 @@ impl Parser<'_> {
             return Some(Task::Which { properties, in_order: false });
         }
         Some(Task::Choice { options })
+    }
+}
+
+/// Drops what all alternatives have in common: of "a boy or a girl" the age.
+fn drop_shared(options: &mut [Pattern]) {
+    let Some(first) = options.first().cloned() else { return };
+    let is_shared = |c: &Condition| options.iter().all(|option| option.conditions.contains(c));
+    let shared: Vec<Condition> = first.conditions.into_iter().filter(is_shared).collect();
+    if options.iter().any(|option| option.conditions.len() == shared.len()) {
+        return;
+    }
+    for option in options {
+        option.conditions.retain(|condition| !shared.contains(condition));
     }
 }
 

@@ -141,7 +141,8 @@ impl Parser<'_> {
     /// Consumes a word that no predicate begins with; false where an outer clause may use it.
     fn stray_word(&mut self, clause: &ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
-        if self.roles().has_any(GLUE) || is_top && self.is(Role::Located) {
+        let is_both = self.word(self.state.at).eq_ignore_ascii_case("both");
+        if is_both || self.roles().has_any(GLUE) || is_top && self.is(Role::Located) {
             self.bump();
             return true;
         }

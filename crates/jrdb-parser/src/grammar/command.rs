@@ -1,13 +1,14 @@
 //! Commands: "follow the man with the bag", "take this to her", "go to the bench, find the lady in
 //! green and follow her". Whom the action concerns is the question; the verb is passed on.
 
-use jrdb_types::query::{Category, Command, Task};
+use jrdb_types::query::{Category, Command, Quantity, RelationKind, Task};
 use jrdb_types::{Condition, Pattern};
 
 use crate::grammar::discourse::Asked;
 use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
+use crate::pattern::related;
 
 /// What joins two actions.
 const JOINTS: Roles = Roles::of(&[Role::And, Role::Comma, Role::Then, Role::Filler, Role::To]);
@@ -20,6 +21,7 @@ const SPEECH: Roles = Roles::of(&[
 /// Determiners and adjectives of whoever is meant.
 const BEFORE_PERSON: Roles = BEFORE_NOUN.and(Roles::of(&[
     Role::The, Role::A, Role::All, Role::Filler, Role::IdMark, Role::Garment, Role::Number,
+    Role::Interaction,
 ]));
 
 /// One action of a command: the positions of its verb and behind its last word.
@@ -108,10 +110,15 @@ impl Parser<'_> {
     fn person_in(&self, action: &Action) -> Option<usize> {
         let is_person = |at: usize| {
             let is_noun = self.entry_at(at).category == Some(Category::Person);
-            is_noun || self.is_at(at, Role::IdMark)
+            is_noun || self.is_at(at, Role::IdMark) || self.is_name_at(at)
         };
         let noun = (action.verb + 1..action.end).find(|at| is_person(*at))?;
         Some(self.group_start(noun, action.verb + 1))
+    }
+
+    /// Whether an unknown word is written as a name.
+    fn is_name_at(&self, at: usize) -> bool {
+        self.is_at(at, Role::Unknown) && self.word(at).starts_with(char::is_uppercase)
     }
 
     /// Whether an action names anybody or anything but rooms and pronouns.
@@ -159,7 +166,12 @@ impl Parser<'_> {
         }
         let start = self.person_in(&action).unwrap_or_else(|| self.object_in(&action));
         let tail = self.tail(start, action);
-        let object = self.object_words(action.verb + 1, start);
+        let before = self.object_words(action.verb + 1, start);
+        let given = || {
+            let is_given = self.is_at(tail, Role::A);
+            is_given.then(|| self.words_of(tail, action.end)).flatten()
+        };
+        let object = before.or_else(given);
         let destination = self.destination_of(tail, action.end);
         let command = self.named(action, object, destination);
         let from = self.source(tail, action.end);
@@ -183,7 +195,7 @@ impl Parser<'_> {
         const BEFORE: Roles = Roles::of(&[
             Role::To, Role::At, Role::Near, Role::Relation, Role::Of, Role::Filler, Role::Side,
             Role::With, Role::Towards, Role::Common, Role::Limit, Role::Then, Role::Speech,
-            Role::Sector,
+            Role::Sector, Role::Robot, Role::It,
         ]);
         self.next_not_in(action.verb + 1, BEFORE).min(action.end)
     }
@@ -202,8 +214,17 @@ impl Parser<'_> {
             Role::Relation, Role::Far, Role::Near, Role::Relative, Role::Side, Role::Ordinal,
             Role::Looks, Role::Located, Role::Towards,
         ]);
+        const GIVEN: [&str; 6] = ["give", "offer", "hand", "bring", "serve", "show"];
         let is_speech = self.is_at(action.verb, Role::Speech);
         let roles = self.roles_at(at);
+        let ends_noun = self.roles_at(at - 1).has_any(Roles::of(&[Role::Noun, Role::Garment]));
+        let verb = self.word(action.verb);
+        if ends_noun && roles.has(Role::A) && GIVEN.iter().any(|v| verb.eq_ignore_ascii_case(v)) {
+            return true;
+        }
+        if ends_noun && roles.has(Role::Unknown) && verb.eq_ignore_ascii_case("help") {
+            return true;
+        }
         let is_word = |word: &str| self.word(at).eq_ignore_ascii_case(word);
         if roles.has(Role::To) && (is_word("to") || is_word("from")) {
             const NAMED: Roles =
@@ -260,7 +281,18 @@ impl Parser<'_> {
             return Vec::new();
         }
         let to = (tail + 1..end).find(|at| self.word(*at).eq_ignore_ascii_case("to"));
-        self.place_conditions(tail + 1, to.unwrap_or(end))
+        let end = to.unwrap_or(end);
+        let words = self.place_conditions(tail + 1, end);
+        if !words.is_empty() {
+            return words;
+        }
+        let all = self.state.tokens;
+        self.state.tokens = &all[..end];
+        self.state.at = tail + 1;
+        let place = self.noun_phrase();
+        self.state.tokens = all;
+        let with = |place| related(vec![RelationKind::With], place, Quantity::SOME);
+        place.into_iter().filter(|place| place.category != Category::Robot).map(with).collect()
     }
 
     /// A known thing is a relation; a room or unknown place is kept in words.

@@ -99,8 +99,9 @@ impl<'t> Parser<'t> {
         if !is_comma || !has(at, ASKS) || has(at, Roles::of(&[Role::Not])) {
             return false;
         }
-        let is_the = |at: usize| has(at, Roles::of(&[Role::The]));
-        let is_tag = at + 2 >= all.len() && !is_the(at + 1);
+        const TAG: Roles = Roles::of(&[Role::Him, Role::One, Role::The, Role::Filler, Role::Not]);
+        let is_verb = has(at, Roles::of(&[Role::Is, Role::Doing, Role::Has]));
+        let is_tag = is_verb && (at + 1..all.len()).all(|at| has(at, TAG));
         let first = all[0].roles;
         let is_named = !first.has_any(ASKS.and(Roles::of(&[Role::Find, Role::Count, Role::Command])))
             || first.has(Role::The);

@@ -1,8 +1,8 @@
 //! Actions, interactions and relations: "walking with a woman", "holding a bag", "facing me", "next
 //! to the door".
 
-use jrdb_types::Pattern;
-use jrdb_types::query::{Category, Quantity, RelationKind};
+use jrdb_types::query::{Category, Place, Quantity, RelationKind, Viewpoint};
+use jrdb_types::{Condition, Pattern};
 use jrdb_types::vocab::PairWord;
 
 use crate::lexicon::{Entry, Role, Roles};
@@ -48,6 +48,12 @@ impl Parser<'_> {
         {
             return true;
         }
+        if entry.object.is_none() && entry.people.is_some() && self.is_unknown_object_at_hand() {
+            let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+            let end = self.description_end(first).max(first + 1);
+            self.push_looks(pattern, at, end);
+            return true;
+        }
         if let Some(label) = &entry.object {
             self.with_object(pattern, entry, label);
         } else if !entry.implies.is_empty() {
@@ -62,7 +68,7 @@ impl Parser<'_> {
     }
 
     /// "chatting" without a partner: with any person.
-    fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
+    pub(crate) fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
         if label.ends_with(" together") {
             let message = format!("read as {label:?} with somebody");
             self.report(jrdb_types::IssueKind::Ambiguous, at, at + 1, message);
@@ -244,10 +250,26 @@ impl Parser<'_> {
             push_related(pattern, entry.kinds(), alone, Quantity::SOME);
             return true;
         }
-        for partner in partners {
-            push_related(pattern, entry.kinds(), partner.pattern, partner.quantity);
+        for mut partner in partners {
+            let mut kinds = entry.kinds();
+            kinds.extend(self.side_of_pair(kind, &mut partner.pattern));
+            push_related(pattern, kinds, partner.pattern, partner.quantity);
         }
         true
+    }
+
+    /// "on the right" behind "beside the lady", where somebody said from where both are seen: the
+    /// side of the lady, and not of the robot.
+    fn side_of_pair(&self, kind: &RelationKind, partner: &mut Pattern) -> Option<RelationKind> {
+        let is_seen = self.is_viewed && *kind == RelationKind::Pair(PairWord::Adjacent);
+        let is_side = |c: &mut Condition| matches!(c, Condition::FromRobot(Place::Direction(_)));
+        let side = if is_seen { partner.conditions.pop_if(is_side) } else { None };
+        match side {
+            Some(Condition::FromRobot(place)) => {
+                Some(RelationKind::Placed { place, viewpoint: Viewpoint::Robot })
+            }
+            _ => None,
+        }
     }
 
     /// "the right", "his left".

@@ -49,6 +49,7 @@ pub(crate) const BEFORE_NOUN: Roles = Roles::of(&[
 
 /// What can begin a noun group.
 pub(crate) const NOUN_START: Roles = Roles::of(&[
+    Role::Interaction,
     Role::The,
     Role::A,
     Role::All,
@@ -129,7 +130,7 @@ impl Parser<'_> {
                 group.is_all = true;
                 group.quantity = None;
             } else if roles.has(Role::All) && !is_noun {
-                group.is_all = true;
+                group.is_all = !self.word(self.state.at).to_ascii_lowercase().starts_with("both");
                 group.share = Some(Share::All);
             } else if roles.has(Role::Number) && self.is_count() {
                 let at = self.state.at;
@@ -276,6 +277,9 @@ impl Parser<'_> {
         if roles.has_any(LOOKING) && self.looking(group) {
             return true;
         }
+        if roles.has(Role::Other) && self.other(group) {
+            return true;
+        }
         if roles.has(Role::Noun) && !self.is_noun_as_adjective() {
             return false;
         }
@@ -287,8 +291,8 @@ impl Parser<'_> {
             self.bump();
             return true;
         }
-        if roles.has(Role::Other) {
-            return self.other(group);
+        if roles.has(Role::Interaction) && self.doing_adjective(group) {
+            return true;
         }
         if roles.has(Role::Comparative) && self.older(group) {
             return true;
@@ -358,6 +362,12 @@ impl Parser<'_> {
             next += 1;
         }
         let is_one = self.is_at(next, Role::One) && !self.is_at(next, Role::The);
+        let is_gender = |c: &Condition| {
+            matches!(c, Condition::Attribute(v) if v.attribute() == Attribute::Gender)
+        };
+        if (self.state.at + 1..next).any(|at| self.entry_at(at).implies.iter().any(is_gender)) {
+            return true;
+        }
         let is_person = self.entry_at(next).category == Some(Category::Person);
         is_person || is_one || self.is_at(next - 1, Role::Group)
     }
@@ -388,9 +398,28 @@ impl Parser<'_> {
         noun.is_some_and(|at| self.entry_at(at).category == Some(Category::Person))
     }
 
+    /// "waving" of "a waving person".
+    fn doing_adjective(&mut self, group: &mut NounGroup) -> bool {
+        let at = self.state.at;
+        let Some(label) = self.entry().people.as_deref().filter(|_| !self.is(Role::Action)) else {
+            return false;
+        };
+        let next = self.next_not_in(at + 1, Roles::of(&[Role::Implies]));
+        if !self.is_person_at(at + 1) && !self.is_person_at(next) {
+            return false;
+        }
+        self.bump();
+        self.bare_interaction(&mut group.pattern, label, at);
+        true
+    }
+
+    fn is_person_at(&self, at: usize) -> bool {
+        self.entry_at(at).category == Some(Category::Person)
+    }
+
     /// "other": none of those spoken of before.
     fn other(&mut self, group: &mut NounGroup) -> bool {
-        if self.is(Role::Noun) || !self.is_noun_ahead(self.state.at + 1) {
+        if !self.is_noun_ahead(self.state.at + 1) {
             return false;
         }
         if self.discourse.is_none() {

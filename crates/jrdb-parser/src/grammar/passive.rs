@@ -13,7 +13,10 @@ impl Parser<'_> {
         const BEFORE: Roles = Roles::of(&[Role::Is, Role::Filler]);
         let verb = self.next_not_in(self.state.at, BEFORE);
         let entry = self.entry_at(verb);
-        if !self.is_at(verb, Role::Interaction) || !self.is_by(verb + 1) {
+        let is_participle = self.is_at(verb, Role::Interaction)
+            && !self.is_at(verb, Role::Action)
+            && !self.word(verb).ends_with("ing");
+        if !is_participle || !self.is_by(verb + 1) {
             return false;
         }
         let checkpoint = self.checkpoint();

@@ -193,6 +193,9 @@ impl Parser<'_> {
         if roles.has_any(OPENERS) && !roles.has(Role::The) {
             return self.nested(Self::question_form);
         }
+        if self.eat_unsupported_property() {
+            return (Task::Find, self.target().pattern);
+        }
         if roles.has(Role::Asks)
             || roles.has(Role::The) && self.is_at(self.state.at + 1, Role::Asks)
         {

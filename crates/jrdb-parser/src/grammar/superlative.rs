@@ -3,7 +3,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Measures, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
@@ -96,11 +96,7 @@ impl Parser<'_> {
             return self.put_pick(pattern, pick, start);
         }
         if self.is(Role::To) {
-            self.bump();
-            self.nested(Self::noun_phrase);
-            let message = "nearer to one thing than to another cannot be asked, not used".into();
-            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
-            return true;
+            return self.nearer(pattern, from, order, start);
         }
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
             return self.beyond(pattern, measured, order, metres, start);
@@ -117,6 +113,30 @@ impl Parser<'_> {
         let measure = measure(measured, from);
         let compared = Compared { measure, order, than: Box::new(than) };
         pattern.conditions.push(Condition::Compared(compared));
+        true
+    }
+
+    /// "to the girl" behind "nearer to me than".
+    fn nearer(
+        &mut self,
+        pattern: &mut Pattern,
+        from: Option<Pattern>,
+        order: Order,
+        start: usize,
+    ) -> bool {
+        self.bump();
+        let first = from.unwrap_or_else(|| Pattern::of(Category::Robot));
+        let Some(second) = self.nested(Self::noun_phrase) else {
+            let message = "nothing to compare with, not used".into();
+            self.report_unread(IssueKind::MisplacedWord, start, self.state.at, message);
+            return true;
+        };
+        let (to, than) = match order {
+            Order::Least => (first, second),
+            Order::Most => (second, first),
+        };
+        let nearer = Nearer { to: Box::new(to), than: Box::new(than) };
+        pattern.conditions.push(Condition::Nearer(nearer));
         true
     }
 

@@ -94,8 +94,8 @@ impl Parser<'_> {
         } else {
             pattern
         };
-        let NounGroup { quantity, count, is_all, share, .. } = group;
-        Target { pattern, quantity, count, is_all, share, head }
+        let NounGroup { quantity, count, share, .. } = group;
+        Target { pattern, quantity, count, share, head }
     }
 
     /// Reads the other parts of "the man, the woman and the child".

@@ -205,6 +205,8 @@ roles! {
     Looks = "looks",
     /// A deed that can be looked at, without a table for it.
     Deed = "deed",
+    /// A part of the body, which only a longer description says something with.
+    Body = "body",
     /// "other", "else": none of those spoken of before.
     Other = "other",
     /// A room or place that no scene graph holds.

@@ -1,7 +1,7 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Command, Compared, Interval, Measure, Measures, Order, Phrase, Pick, Place, Property, Quantity,
+    Category, Command, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place, Property, Quantity,
     Related, RelationKind, Share, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Elevation, PairWord, Sector};
@@ -212,6 +212,13 @@ impl Reader<'_> {
         }
         if self.takes("#") {
             return Ok(Condition::Id(self.whole()?));
+        }
+        if self.takes("nearer") {
+            self.expect("to")?;
+            let to = Box::new(self.pattern()?);
+            self.expect("than")?;
+            self.expect("to")?;
+            return Ok(Condition::Nearer(Nearer { to, than: Box::new(self.pattern()?) }));
         }
         if let Some(measure) = self.measured() {
             let min = self.number();

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use jrdb_types::query::{
-    Category, Command, Compared, Interval, Measure, Order, Pick, Place, Quantity, Related,
+    Category, Command, Compared, Interval, Measure, Nearer, Order, Pick, Place, Quantity, Related,
     RelationKind, Share, Slot, Task, Viewpoint,
 };
 use jrdb_types::{AttributeNotation, Condition, Pattern, Query};
@@ -186,6 +186,12 @@ fn condition(text: &mut String, condition: &Condition) {
             measure(text, &measured.measure);
             text.push(' ');
             stretch(text, &measured.within);
+        }
+        Condition::Nearer(Nearer { to, than }) => {
+            text.push_str("nearer to ");
+            pattern(text, to);
+            text.push_str(" than to ");
+            pattern(text, than);
         }
         Condition::Looks(phrase) => {
             text.push_str("looks ");

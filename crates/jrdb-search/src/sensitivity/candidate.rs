@@ -56,7 +56,7 @@ impl Reach {
                 let parts = parts.iter().map(|part| Self::of_condition(part, all_placed));
                 parts.max().unwrap_or(Self::Nothing)
             }
-            Condition::GroupSize(_) => Self::Everything,
+            Condition::GroupSize(_) | Condition::Nearer(_) => Self::Everything,
             Condition::Attribute(_)
             | Condition::FromRobot(_)
             | Condition::Measures(_)

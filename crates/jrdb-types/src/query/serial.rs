@@ -9,11 +9,12 @@ use super::{Condition, Property};
 use crate::attribute::{Attribute, ValueOf, unknown};
 
 /// Names of the conditions that are no attributes.
-const CONDITIONS: [&str; 12] = [
+const CONDITIONS: [&str; 13] = [
     "from_robot",
     "group_size",
     "related",
     "compared",
+    "nearer",
     "measures",
     "looks",
     "id",
@@ -49,6 +50,7 @@ impl<'de> Visitor<'de> for ConditionVisitor {
             "group_size" => content.newtype_variant().map(Condition::GroupSize),
             "related" => content.newtype_variant().map(Condition::Related),
             "compared" => content.newtype_variant().map(Condition::Compared),
+            "nearer" => content.newtype_variant().map(Condition::Nearer),
             "measures" => content.newtype_variant().map(Condition::Measures),
             "looks" => content.newtype_variant().map(Condition::Looks),
             "id" => content.newtype_variant().map(Condition::Id),
