@@ -146,7 +146,8 @@ impl<'t> Parser<'t> {
     /// Conditions for the words that were not used: descriptions where they can be looked at.
     pub(crate) fn unread(&self, all: &[Token]) -> Vec<Condition> {
         let looks = |span: &Span| {
-            let mut own = all.iter().filter(|token| token.start >= span.start && token.end <= span.end);
+            let mut own =
+                all.iter().filter(|token| token.start >= span.start && token.end <= span.end);
             own.any(|token| token.roles.has(Role::Looks))
         };
         phrases(self.text, self.issues.unused(), looks)

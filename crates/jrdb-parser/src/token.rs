@@ -52,7 +52,9 @@ pub(crate) fn tokenize(text: &str, tokens: &mut Tokens, issues: &mut Vec<Issue>)
 /// Whether "like" says what something looks like; elsewhere it says nothing.
 fn is_compared(entry: &Entry, before: &[Token]) -> bool {
     let is_look = |token: &Token| {
-        token.roles.has(Role::Common) || token.roles.has(Role::Looks) || token.entry.object.is_some()
+        token.roles.has(Role::Common)
+            || token.roles.has(Role::Looks)
+            || token.entry.object.is_some()
     };
     entry.roles.has(Role::Common) && before.last().is_some_and(is_look)
 }
@@ -150,7 +152,16 @@ fn respelled(
     corrected(word, piece, issues)
 }
 
+/// Whether a word is written as a name: "Anna".
+fn is_name(word: &str) -> bool {
+    let mut letters = word.chars();
+    letters.next().is_some_and(char::is_uppercase) && letters.all(char::is_lowercase)
+}
+
 fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
+    if piece.start > 0 && is_name(word) {
+        return special::UNKNOWN;
+    }
     let Some(Suggestion::Only(known)) = suggest(word) else { return special::UNKNOWN };
     let span = Span { start: piece.start, end: piece.end };
     let message = format!("unknown word {word:?} read as {known:?}");

@@ -1,7 +1,8 @@
 //! Conditions and patterns of the query algebra, in words.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, RelationKind,
+    Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
 use jrdb_types::{

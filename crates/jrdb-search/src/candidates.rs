@@ -11,11 +11,7 @@ use crate::searcher::Searcher;
 pub(crate) fn presupposes(task: &Task) -> bool {
     matches!(
         task,
-        Task::Find
-            | Task::Where
-            | Task::Which { .. }
-            | Task::Choice { .. }
-            | Task::From { .. }
+        Task::Find | Task::Where | Task::Which { .. } | Task::Choice { .. } | Task::From { .. }
     )
 }
 

@@ -9,9 +9,7 @@ use jrdb_types::answer::{
 };
 use jrdb_types::query::{Order, Property};
 use jrdb_types::vocab::MatchPolicy;
-use jrdb_types::{
-    AttributeBelief, Condition, DistanceWord, Node, Query, SpatialRelation, Task,
-};
+use jrdb_types::{AttributeBelief, Condition, DistanceWord, Node, Query, SpatialRelation, Task};
 
 use crate::candidates::by_sets;
 use crate::known::Known;
@@ -24,9 +22,9 @@ pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitS
         Task::Find => Reply::Things,
         Task::Each { .. } => Reply::YesNo(None),
         Task::Groups => Reply::Number(groups(searcher, selection)),
-        Task::Choice { options } => {
-            Reply::Properties(selection.iter().filter_map(|n| choice(searcher, n, options)).collect())
-        }
+        Task::Choice { options } => Reply::Properties(
+            selection.iter().filter_map(|n| choice(searcher, n, options)).collect(),
+        ),
         Task::From { property, partner } => {
             let partners = Meant::by(&searcher.with(MatchPolicy::Strict), partner).sure;
             let told = selection.iter().filter_map(|n| from(searcher, n, *property, &partners));

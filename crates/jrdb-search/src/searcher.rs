@@ -10,9 +10,9 @@ use jrdb_types::query::{Category, Measure};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Capabilities, LateralConvention, Node, Pattern, SpatialRelation};
 
-use crate::observer::{Front, Observer};
 use crate::group::{self, Membership};
 use crate::looks::{Blind, Looks, Seen};
+use crate::observer::{Front, Observer};
 use crate::{SearchConfig, World};
 
 /// What the closed world of the benchmark sees.

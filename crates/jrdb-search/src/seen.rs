@@ -12,7 +12,12 @@ impl Searcher<'_, '_> {
     /// does not see their kind, or the kind is named by words that were not understood.
     pub(crate) fn may_be_unseen(&self, pattern: &Pattern) -> bool {
         let is_wide = matches!(pattern.category, Category::Anything | Category::Object);
-        let is_unnamed = || pattern.conditions.iter().any(|c| matches!(c, Condition::Phrase(_) | Condition::Looks(_)));
+        let is_unnamed = || {
+            pattern
+                .conditions
+                .iter()
+                .any(|c| matches!(c, Condition::Phrase(_) | Condition::Looks(_)))
+        };
         !self.sees.sees_category(&pattern.category) || (is_wide && is_unnamed())
     }
 

@@ -164,11 +164,9 @@ pub(crate) fn judge(
         known => (Status::Answered, Reply::YesNo(Some(known.holds()))),
     };
     match task {
-        Task::Find
-        | Task::Where
-        | Task::Which { .. }
-        | Task::Choice { .. }
-        | Task::From { .. } => (of_things(bounds), told.clone()),
+        Task::Find | Task::Where | Task::Which { .. } | Task::Choice { .. } | Task::From { .. } => {
+            (of_things(bounds), told.clone())
+        }
         Task::Groups => match told {
             Reply::Number(Count::Exact(_)) if bounds.perhaps == 0 => {
                 (Status::Answered, told.clone())

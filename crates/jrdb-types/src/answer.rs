@@ -5,7 +5,9 @@ mod status;
 mod trace;
 mod why_not;
 
-pub use found::{DirectionFound, DistanceFound, HeadingFound, Landmark, PropertyValue, PropertyValues};
+pub use found::{
+    DirectionFound, DistanceFound, HeadingFound, Landmark, PropertyValue, PropertyValues,
+};
 pub use status::{Cause, CauseKind, Count, Possible, Status};
 pub use trace::{CandidateTrace, Check, Criterion, Finding, Measured, Partner, Unit};
 pub use why_not::{Reason, WhyNot};

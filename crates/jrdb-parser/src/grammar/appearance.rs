@@ -8,14 +8,8 @@ use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
 
 /// Words that describe what can be looked at.
-pub(crate) const VISIBLE: Roles = Roles::of(&[
-    Role::Looks,
-    Role::Color,
-    Role::Shade,
-    Role::Coloured,
-    Role::Garment,
-    Role::Worn,
-]);
+pub(crate) const VISIBLE: Roles =
+    Roles::of(&[Role::Looks, Role::Color, Role::Shade, Role::Coloured, Role::Garment, Role::Worn]);
 
 /// Words that belong to a description that has begun.
 const CONTENT: Roles = VISIBLE.and(Roles::of(&[
@@ -55,7 +49,11 @@ impl Parser<'_> {
     pub(crate) fn described(&mut self, pattern: &mut Pattern) -> bool {
         let first = self.next_not_in(self.state.at, ARTICLES);
         let end = self.description_end(first);
-        if end == first || self.is_thing_alone(first, end) || self.names_thing_at(end) || !self.is_visible(first, end) {
+        if end == first
+            || self.is_thing_alone(first, end)
+            || self.names_thing_at(end)
+            || !self.is_visible(first, end)
+        {
             return false;
         }
         self.push_looks(pattern, first, end);
@@ -66,8 +64,32 @@ impl Parser<'_> {
     pub(crate) fn worn_words(&mut self, pattern: &mut Pattern) -> bool {
         let first = self.next_not_in(self.state.at, ARTICLES);
         let end = self.description_end(first);
-        let found =
-            end > first && !self.names_thing_at(end) && !self.is_thing_alone(first, end);
+        let found = end > first && !self.names_thing_at(end) && !self.is_thing_alone(first, end);
+        if found {
+            self.push_looks(pattern, first, end);
+        }
+        found
+    }
+
+    /// "the tray" behind "with": a thing of no table that can be looked at.
+    pub(crate) fn had_words(&mut self, pattern: &mut Pattern) -> bool {
+        let first = self.next_not_in(self.state.at, ARTICLES);
+        let end = self.description_end(first);
+        let is_camera = |at: usize| self.word(at).to_ascii_lowercase().ends_with("camera");
+        if is_camera(self.state.at) {
+            let at = self.state.at;
+            self.push_looks(pattern, at, at + 1);
+            return true;
+        }
+        let is_strange = (first..end).all(|at| {
+            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Common, Role::Unsupported]))
+        });
+        let is_named = (first..end).any(|at| self.is_at(at, Role::Unknown));
+        let found = first > self.state.at
+            && end > first
+            && is_strange
+            && is_named
+            && !self.names_thing_at(end);
         if found {
             self.push_looks(pattern, first, end);
         }
@@ -82,8 +104,16 @@ impl Parser<'_> {
     /// "smiling", "reading a book": what is done or how somebody looks, behind a noun or a verb.
     pub(crate) fn deed(&mut self, pattern: &mut Pattern) -> bool {
         let start = self.state.at;
-        if !self.is(Role::Looks) || self.roles().has_any(Roles::of(&[Role::Noun, Role::Body])) {
+        let is_unknown = self.is_unknown_deed();
+        let is_known =
+            self.is(Role::Looks) && !self.roles().has_any(Roles::of(&[Role::Noun, Role::Body]));
+        if !is_unknown && !is_known {
             return false;
+        }
+        if is_unknown {
+            let end = self.named_object_end(start + 1);
+            self.push_looks(pattern, start, end);
+            return true;
         }
         let is_deed = self.is(Role::Deed);
         let mut end = self.description_end(start).max(start + 1);
@@ -94,17 +124,53 @@ impl Parser<'_> {
         true
     }
 
+    /// "helping": a verb that the lexicon does not know.
+    fn is_unknown_deed(&self) -> bool {
+        let word = self.word(self.state.at);
+        self.is(Role::Unknown) && word.len() > 5 && word.ends_with("ing")
+    }
+
+    /// The end of "the old lady" behind such a verb.
+    fn named_object_end(&self, at: usize) -> usize {
+        const BEFORE: Roles = Roles::of(&[
+            Role::The,
+            Role::A,
+            Role::His,
+            Role::Implies,
+            Role::Unknown,
+            Role::Color,
+            Role::Looks,
+        ]);
+        const REACH: usize = 4;
+        let noun = self.next_not_in(at, BEFORE);
+        let is_named = noun > at && noun <= at + REACH && self.is_at(noun, Role::Noun);
+        if is_named { noun + 1 } else { self.description_end(at).max(at) }
+    }
+
     /// The end of "a book" or "his left arm" behind a deed.
     fn object_end(&self, at: usize) -> usize {
         const BEFORE: Roles = Roles::of(&[
-            Role::The, Role::A, Role::His, Role::At, Role::To, Role::Implies, Role::Sector,
-            Role::Unknown, Role::With, Role::On,
+            Role::The,
+            Role::A,
+            Role::His,
+            Role::At,
+            Role::To,
+            Role::Implies,
+            Role::Sector,
+            Role::Unknown,
+            Role::With,
+            Role::On,
         ]);
         let thing = self.next_not_in(at, BEFORE);
-        let is_thing = self.entry_at(thing).category.as_ref().is_some_and(|c| *c != Category::Person);
+        let is_thing =
+            self.entry_at(thing).category.as_ref().is_some_and(|c| *c != Category::Person);
         let is_body = self.roles_at(thing).has_any(Roles::of(&[Role::Looks, Role::Garment]))
             || self.is_at(thing, Role::Side);
+        let unknown = (at..thing).find(|at| self.is_at(*at, Role::Unknown));
         match thing {
+            _ if unknown.is_some() && self.has_article(at, thing) => {
+                unknown.map_or(at, |first| self.description_end(first).max(first + 1))
+            }
             thing if thing > at + 4 => at,
             thing if is_body => self.description_end(thing).max(thing + 1),
             thing if is_thing && self.has_article(at, thing) => thing + 1,
@@ -173,7 +239,12 @@ impl Parser<'_> {
     pub(crate) fn visible_adjective(&mut self, pattern: &mut Pattern) -> bool {
         let start = self.state.at;
         let run = Roles::of(&[
-            Role::Looks, Role::Color, Role::Shade, Role::Coloured, Role::Garment, Role::Worn,
+            Role::Looks,
+            Role::Color,
+            Role::Shade,
+            Role::Coloured,
+            Role::Garment,
+            Role::Worn,
         ]);
         let joint = Roles::of(&[Role::And, Role::Slash]);
         let mut end = start;

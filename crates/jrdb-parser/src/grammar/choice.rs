@@ -1,8 +1,6 @@
 //! Universals, choices and tags: "are all of them sitting?", "is it a man or a woman?", "…, right?".
 
-use jrdb_types::query::{
-    Place, Property, Quantity, Related, RelationKind, Share, Task, Viewpoint,
-};
+use jrdb_types::query::{Place, Property, Quantity, Related, RelationKind, Share, Task, Viewpoint};
 use jrdb_types::vocab::PairWord;
 use jrdb_types::{Condition, Pattern};
 
@@ -23,7 +21,8 @@ impl Parser<'_> {
 
     /// "right?", "isn't she?", "is that so?" behind a statement: cut off the end.
     pub(crate) fn drop_tag(&mut self) -> bool {
-        const ASKS: Roles = Roles::of(&[Role::Is, Role::Doing, Role::Has, Role::Not, Role::Without]);
+        const ASKS: Roles =
+            Roles::of(&[Role::Is, Role::Doing, Role::Has, Role::Not, Role::Without]);
         const NAMES: Roles = Roles::of(&[Role::Him, Role::Filler, Role::One, Role::The]);
         let end = self.state.tokens.len();
         let Some(comma) = (self.state.at + 1..end).rev().find(|at| self.is_at(*at, Role::Comma))

@@ -190,9 +190,10 @@ impl Parser<'_> {
         let is_top = clause.scope == Scope::Top;
         let is_bare = pattern.category == Category::Person
             && self.is_bare_thing_at(self.state.at + 1)
-            && !(self.state.at..self.state.tokens.len()).any(|at| {
-                self.roles_at(at).has_any(Roles::of(&[Role::And, Role::Or]))
-            });
+            && !(self.state.at..self.state.tokens.len())
+                .any(|at| self.roles_at(at).has_any(Roles::of(&[Role::And, Role::Or])));
+        let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::Color, Role::Shade]));
+        let is_bare = is_bare || next > self.state.at + 1 && self.is_at(next, Role::Garment);
         let is_list = is_top && !is_bare && (!clause.is_clause || pattern.pick.is_some());
         if is_list && self.is_noun_group_next() && !self.is_next_located_by_his() {
             return false;

@@ -2,6 +2,7 @@
 //! shirt"), and worn things that are attributes of their wearer.
 
 use jrdb_types::issue::IssueKind;
+use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
 use jrdb_types::{AttributeValue, Condition, Pattern};
 
@@ -27,12 +28,7 @@ const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]);
 
 /// Words that may stand between an article, a colour and a piece of clothing.
-const BETWEEN: Roles = Roles::of(&[
-    Role::Unknown,
-    Role::Unsupported,
-    Role::Common,
-    Role::Looks,
-]);
+const BETWEEN: Roles = Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common, Role::Looks]);
 
 /// How many of them.
 const BETWEEN_MAX: usize = 2;
@@ -73,6 +69,11 @@ impl Parser<'_> {
         true
     }
 
+    /// "hat", "glasses" behind a noun, in telegram style.
+    pub(crate) fn bare_worn(&mut self, pattern: &mut Pattern) -> bool {
+        self.worn_thing(pattern) || self.described(pattern)
+    }
+
     fn clothes_lead(&self) -> Option<Lead> {
         let is_in = || {
             let word = self.word(self.state.at);
@@ -107,6 +108,7 @@ impl Parser<'_> {
             };
             let found = self.one_worn(pattern, next)
                 || next == Lead::Bare && self.is_worn_alone() && self.described(pattern);
+            let found = found || lead == Lead::Having && self.one_more_thing(pattern);
             if !found {
                 self.rewind(checkpoint);
                 break;
@@ -117,6 +119,16 @@ impl Parser<'_> {
         }
     }
 
+    /// "a bicycle" behind "with a helmet and".
+    fn one_more_thing(&mut self, pattern: &mut Pattern) -> bool {
+        let noun = self.noun_at(self.next_not_in(self.state.at, ARTICLES));
+        let is_thing = |at: usize| matches!(self.entry_at(at).category, Some(Category::Class(_)));
+        let one = if noun.is_some_and(is_thing) { self.one_possession(pattern) } else { None };
+        let found = one.is_some();
+        pattern.conditions.extend(one);
+        found
+    }
+
     /// Whether only something that is worn is named next: "gloves" behind "a helmet and".
     fn is_worn_alone(&self) -> bool {
         let next = self.next_not_in(self.state.at, ARTICLES.and(BETWEEN));
@@ -125,10 +137,26 @@ impl Parser<'_> {
 
     /// A worn thing, a garment, or the description of either.
     fn one_worn(&mut self, pattern: &mut Pattern, lead: Lead) -> bool {
+        if !self.is(Role::No) || self.is(Role::Noun) {
+            return self.one_item(pattern, lead);
+        }
+        let (start, length) = (self.state.at, pattern.conditions.len());
+        self.bump();
+        if !self.one_item(pattern, lead) {
+            self.state.at = start;
+            return false;
+        }
+        let worn = all_of(split_from(&mut pattern.conditions, length));
+        pattern.conditions.push(Condition::Not(Box::new(worn)));
+        true
+    }
+
+    fn one_item(&mut self, pattern: &mut Pattern, lead: Lead) -> bool {
         self.worn_thing(pattern)
             || self.garment(pattern, lead)
             || lead != Lead::Bare && self.described(pattern)
             || lead == Lead::Wearing && self.worn_words(pattern)
+            || lead == Lead::Having && self.had_words(pattern)
     }
 
     /// "shirt is red" behind "whose".
@@ -186,17 +214,20 @@ impl Parser<'_> {
         let (colors, is_and) = self.colors();
         self.eat(Role::Coloured);
         is_wholly |= self.is(Role::Wholly) && !self.is(Role::All) && self.wholly();
-        let named = self.behind_some(|parser, at| parser.is_at(at, Role::Garment)).filter(|_| !colors.is_empty());
-        let anaphor = self.is(Role::One) && !self.is(Role::The) && self.state.last_garment.is_some();
+        let named = self
+            .behind_some(|parser, at| parser.is_at(at, Role::Garment))
+            .filter(|_| !colors.is_empty());
+        let anaphor =
+            self.is(Role::One) && !self.is(Role::The) && self.state.last_garment.is_some();
         let garment = match named {
             Some(at) => self.entry_at(at).garment,
             None if anaphor => self.state.last_garment,
             None => None,
         };
-        let is_bare = is_wholly
-            || is_something
-            || !has_article && matches!(lead, Lead::Wearing | Lead::In);
-        let is_bare = is_bare && (is_wholly && !self.is(Role::Garment) || !self.is_something_else());
+        let is_bare =
+            is_wholly || is_something || !has_article && matches!(lead, Lead::Wearing | Lead::In);
+        let is_bare =
+            is_bare && (is_wholly && !self.is(Role::Garment) || !self.is_something_else());
         if colors.is_empty() || garment.is_none() && !is_bare {
             self.rewind(checkpoint);
             return false;
@@ -212,7 +243,10 @@ impl Parser<'_> {
         self.state.at = at + 1;
         self.eat(Role::On);
         self.state.last_garment = Some(garment);
-        if garment == Garment::Other || described < before || named.is_some_and(|at| self.is_at(at.wrapping_sub(1), Role::Looks)) {
+        if garment == Garment::Other
+            || described < before
+            || named.is_some_and(|at| self.is_at(at.wrapping_sub(1), Role::Looks))
+        {
             let end = self.state.at;
             if garment != Garment::Other {
                 let worn = self.worn_in(garment, &colors, at, at + 1);
@@ -257,9 +291,7 @@ impl Parser<'_> {
     /// The position of a fitting word behind a few words that may stand before it.
     fn behind_some(&self, fits: impl Fn(&Self, usize) -> bool) -> Option<usize> {
         (self.state.at..=self.state.at + BETWEEN_MAX)
-            .take_while(|at| {
-                *at == self.state.at || self.roles_at(at - 1).has_any(BETWEEN)
-            })
+            .take_while(|at| *at == self.state.at || self.roles_at(at - 1).has_any(BETWEEN))
             .find(|at| fits(self, *at))
     }
 

@@ -14,13 +14,17 @@ use crate::pattern::related;
 const JOINTS: Roles = Roles::of(&[Role::And, Role::Comma, Role::Then, Role::Filler, Role::To]);
 
 /// What begins the words of a speech, or what is to be done: "to wait", "that …", "about …".
-const SPEECH: Roles = Roles::of(&[
-    Role::To, Role::If, Role::Where, Role::How, Role::Count,
-]);
+const SPEECH: Roles = Roles::of(&[Role::To, Role::If, Role::Where, Role::How, Role::Count]);
 
 /// Determiners and adjectives of whoever is meant.
 const BEFORE_PERSON: Roles = BEFORE_NOUN.and(Roles::of(&[
-    Role::The, Role::A, Role::All, Role::Filler, Role::IdMark, Role::Garment, Role::Number,
+    Role::The,
+    Role::A,
+    Role::All,
+    Role::Filler,
+    Role::IdMark,
+    Role::Garment,
+    Role::Number,
     Role::Interaction,
 ]));
 
@@ -40,9 +44,10 @@ impl Parser<'_> {
         if !has_command || is_find && actions.len() < 2 {
             return None;
         }
-        let main = *actions.iter().find(|action| self.person_in(action).is_some()).or_else(
-            || actions.iter().find(|action| self.is_anybody_in(action)),
-        )?;
+        let main = *actions
+            .iter()
+            .find(|action| self.person_in(action).is_some())
+            .or_else(|| actions.iter().find(|action| self.is_anybody_in(action)))?;
         let all = self.state.tokens;
         let later = actions.iter().filter(|action| action.verb > main.verb);
         let last = later.filter(|action| self.has_pronoun_in(action)).next_back().copied();
@@ -171,8 +176,10 @@ impl Parser<'_> {
             let is_given = self.is_at(tail, Role::A);
             is_given.then(|| self.words_of(tail, action.end)).flatten()
         };
-        let object = before.or_else(given);
-        let destination = self.destination_of(tail, action.end);
+        let is_speech = self.is_at(action.verb, Role::Speech);
+        let said = || is_speech.then(|| self.words_of(tail, action.end)).flatten();
+        let object = before.or_else(given).or_else(said);
+        let destination = if is_speech { None } else { self.destination_of(tail, action.end) };
         let command = self.named(action, object, destination);
         let from = self.source(tail, action.end);
         self.state.tokens = &self.state.tokens[..tail];
@@ -193,9 +200,22 @@ impl Parser<'_> {
     /// The first word of the thing that an action names: behind the last of the prepositions.
     fn object_in(&self, action: &Action) -> usize {
         const BEFORE: Roles = Roles::of(&[
-            Role::To, Role::At, Role::Near, Role::Relation, Role::Of, Role::Filler, Role::Side,
-            Role::With, Role::Towards, Role::Common, Role::Limit, Role::Then, Role::Speech,
-            Role::Sector, Role::Robot, Role::It,
+            Role::To,
+            Role::At,
+            Role::Near,
+            Role::Relation,
+            Role::Of,
+            Role::Filler,
+            Role::Side,
+            Role::With,
+            Role::Towards,
+            Role::Common,
+            Role::Limit,
+            Role::Then,
+            Role::Speech,
+            Role::Sector,
+            Role::Robot,
+            Role::It,
         ]);
         self.next_not_in(action.verb + 1, BEFORE).min(action.end)
     }
@@ -203,21 +223,37 @@ impl Parser<'_> {
     /// Where whoever is meant has been described: before a destination, a speech or a purpose.
     fn tail(&self, start: usize, action: Action) -> usize {
         let noun = (start..action.end)
-            .find(|at| self.roles_at(*at).has_any(Roles::of(&[Role::Noun, Role::Unknown, Role::Him])))
+            .find(|at| {
+                const NAMED: Roles =
+                    Roles::of(&[Role::Noun, Role::Unknown, Role::Him, Role::IdMark]);
+                self.roles_at(*at).has_any(NAMED)
+            })
             .unwrap_or(start);
         (noun + 1..action.end).find(|at| self.ends_description(*at, action)).unwrap_or(action.end)
     }
 
     fn ends_description(&self, at: usize, action: Action) -> bool {
         const PLACES: Roles = Roles::of(&[
-            Role::Interaction, Role::Action, Role::Sector, Role::Superlative, Role::Comparative,
-            Role::Relation, Role::Far, Role::Near, Role::Relative, Role::Side, Role::Ordinal,
-            Role::Looks, Role::Located, Role::Towards,
+            Role::Interaction,
+            Role::Action,
+            Role::Sector,
+            Role::Superlative,
+            Role::Comparative,
+            Role::Relation,
+            Role::Far,
+            Role::Near,
+            Role::Relative,
+            Role::Side,
+            Role::Ordinal,
+            Role::Looks,
+            Role::Located,
+            Role::Towards,
         ]);
         const GIVEN: [&str; 6] = ["give", "offer", "hand", "bring", "serve", "show"];
         let is_speech = self.is_at(action.verb, Role::Speech);
         let roles = self.roles_at(at);
-        let ends_noun = self.roles_at(at - 1).has_any(Roles::of(&[Role::Noun, Role::Garment]));
+        let ends_noun =
+            self.roles_at(at - 1).has_any(Roles::of(&[Role::Noun, Role::Garment, Role::Sector]));
         let verb = self.word(action.verb);
         if ends_noun && roles.has(Role::A) && GIVEN.iter().any(|v| verb.eq_ignore_ascii_case(v)) {
             return true;
@@ -242,14 +278,24 @@ impl Parser<'_> {
         let is_said = says.iter().any(|word| is_word(word))
             && !(is_word("that") && self.is_at(at + 1, Role::Is));
         is_speech && (is_said || roles.has_any(SPEECH) || roles.has(Role::What))
-            || is_word("until") || is_word("because")
+            || is_word("until")
+            || is_word("because")
     }
 
     /// The words of what is taken or said: those before the preposition of the person.
     fn object_words(&self, start: usize, end: usize) -> Option<String> {
         const EDGES: Roles = Roles::of(&[
-            Role::To, Role::At, Role::Near, Role::Relation, Role::Filler, Role::Side, Role::With,
-            Role::Sector, Role::Towards, Role::Limit, Role::Find,
+            Role::To,
+            Role::At,
+            Role::Near,
+            Role::Relation,
+            Role::Filler,
+            Role::Side,
+            Role::With,
+            Role::Sector,
+            Role::Towards,
+            Role::Limit,
+            Role::Find,
         ]);
         let mut last = end;
         while last > start && self.roles_at(last - 1).has_any(EDGES) {
@@ -262,7 +308,17 @@ impl Parser<'_> {
     fn words_of(&self, start: usize, end: usize) -> Option<String> {
         let span = self.span(start, end);
         let words = self.text.get(span.start..span.end).unwrap_or_default().trim();
-        (end > start && !words.is_empty()).then(|| words.to_owned())
+        let says = |at: usize| {
+            !self.roles_at(at).has_any(Roles::of(&[
+                Role::The,
+                Role::A,
+                Role::Him,
+                Role::Robot,
+                Role::Filler,
+            ]))
+        };
+        let is_said = (start..end).any(says);
+        (end > start && is_said && !words.is_empty()).then(|| words.to_owned())
     }
 
     /// The destination behind whoever is meant: "to the kitchen".

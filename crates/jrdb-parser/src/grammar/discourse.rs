@@ -50,7 +50,10 @@ impl<'t> Parser<'t> {
         let mut is_asked = false;
         for sentence in sentences {
             self.begin(sentence);
-            let kind = self.kind();
+            let kind = match self.kind() {
+                Kind::Fragment if !is_asked => Kind::More,
+                kind => kind,
+            };
             let next = self.sentence(kind, &asked);
             while !self.is_end() {
                 self.report_unused();
@@ -91,7 +94,13 @@ impl<'t> Parser<'t> {
 
     fn is_resumed_at(&self, all: &[Token], at: usize) -> bool {
         const ASKS: Roles = Roles::of(&[
-            Role::Is, Role::Doing, Role::Has, Role::Who, Role::Which, Role::Where, Role::How,
+            Role::Is,
+            Role::Doing,
+            Role::Has,
+            Role::Who,
+            Role::Which,
+            Role::Where,
+            Role::How,
         ]);
         const PRONOUN: Roles = Roles::of(&[Role::Him, Role::His, Role::One]);
         let has = |at: usize, roles: Roles| all.get(at).is_some_and(|t| t.roles.has_any(roles));
@@ -103,15 +112,15 @@ impl<'t> Parser<'t> {
         let is_verb = has(at, Roles::of(&[Role::Is, Role::Doing, Role::Has]));
         let is_tag = is_verb && (at + 1..all.len()).all(|at| has(at, TAG));
         let first = all[0].roles;
-        let is_named = !first.has_any(ASKS.and(Roles::of(&[Role::Find, Role::Count, Role::Command])))
-            || first.has(Role::The);
+        let is_named =
+            !first.has_any(ASKS.and(Roles::of(&[Role::Find, Role::Count, Role::Command])))
+                || first.has(Role::The);
         let is_that = |at: usize| {
             let word = all.get(at).and_then(|token| self.text.get(token.start..token.end));
             word.is_some_and(|word| word.eq_ignore_ascii_case("that"))
         };
-        let names = |at: usize| {
-            (has(at, PRONOUN) || is_that(at)) && !has(at + 1, Roles::of(&[Role::Noun]))
-        };
+        let names =
+            |at: usize| (has(at, PRONOUN) || is_that(at)) && !has(at + 1, Roles::of(&[Role::Noun]));
         is_named && !is_tag && (at + 1..at + 4).any(names)
     }
 
@@ -127,10 +136,22 @@ impl<'t> Parser<'t> {
     fn kind(&self) -> Kind {
         const SKIPPED: Roles = Roles::of(&[Role::Filler, Role::Comma, Role::And, Role::But]);
         const QUESTION: Roles = Roles::of(&[
-            Role::Find, Role::Count, Role::Where, Role::Describe, Role::Is, Role::Doing, Role::Has,
-            Role::If, Role::More, Role::Fewer, Role::Asks, Role::Colour, Role::Command,
+            Role::Find,
+            Role::Count,
+            Role::Where,
+            Role::Describe,
+            Role::Is,
+            Role::Doing,
+            Role::Has,
+            Role::If,
+            Role::More,
+            Role::Fewer,
+            Role::Asks,
+            Role::Colour,
+            Role::Command,
         ]);
-        const WORDS: Roles = Roles::of(&[Role::How, Role::Which, Role::What, Role::Who, Role::Whose]);
+        const WORDS: Roles =
+            Roles::of(&[Role::How, Role::Which, Role::What, Role::Who, Role::Whose]);
         let start = self.next_not_in(0, SKIPPED);
         let roles = self.roles_at(start);
         if self.discourse.is_some() && self.is_about(start) {
@@ -156,7 +177,9 @@ impl<'t> Parser<'t> {
     fn is_there(&self, start: usize) -> bool {
         let is_there = self.word(start.saturating_sub(1)).eq_ignore_ascii_case("there");
         is_there && start > 0 && self.is_at(start, Role::Is)
-            || self.is_at(start, Role::Exists) && !self.is_at(start, Role::Robot) && start == 0
+            || self.is_at(start, Role::Exists)
+                && !self.is_at(start, Role::Robot)
+                && start == 0
                 && self.word(0).to_ascii_lowercase().starts_with('i')
     }
 
@@ -174,7 +197,13 @@ impl<'t> Parser<'t> {
     /// "behind him", "on the left": a place and no noun of its own.
     fn is_predicate_only(&self, start: usize) -> bool {
         const PLACES: Roles = Roles::of(&[
-            Role::Sector, Role::Near, Role::Relation, Role::At, Role::Between, Role::With, Role::To,
+            Role::Sector,
+            Role::Near,
+            Role::Relation,
+            Role::At,
+            Role::Between,
+            Role::With,
+            Role::To,
         ]);
         self.roles_at(start).has_any(PLACES) && !self.is_at(start, Role::Noun)
     }
@@ -191,7 +220,13 @@ impl<'t> Parser<'t> {
     /// "there is a man with a cart": what is spoken of.
     fn statement(&mut self) -> Pattern {
         const LEAD: Roles = Roles::of(&[
-            Role::Filler, Role::Comma, Role::And, Role::Is, Role::Exists, Role::But, Role::Find,
+            Role::Filler,
+            Role::Comma,
+            Role::And,
+            Role::Is,
+            Role::Exists,
+            Role::But,
+            Role::Find,
         ]);
         self.skip_while(LEAD);
         self.target().pattern
@@ -201,7 +236,11 @@ impl<'t> Parser<'t> {
     fn more(&mut self, before: &Asked) -> Asked {
         const LEAD: Roles = Roles::of(&[Role::Filler, Role::Comma, Role::And]);
         self.skip_while(LEAD);
-        let target = if self.is(Role::His) && !self.is(Role::Him) {
+        let target = if self.is_predicate_only(self.state.at) {
+            let mut pattern = self.discourse.as_deref().cloned().unwrap_or_default();
+            self.clauses_of_all(&mut pattern);
+            pattern
+        } else if self.is(Role::His) && !self.is(Role::Him) {
             let mut pattern = self.discourse.as_deref().cloned().unwrap_or_default();
             self.bump();
             if !self.whose_clothes(&mut pattern) {

@@ -16,8 +16,16 @@ impl Parser<'_> {
     /// Whether a colour is asked for: "what colour", "the colour of".
     pub(crate) fn asked_color_at_hand(&self) -> bool {
         const BEFORE: Roles = Roles::of(&[
-            Role::Which, Role::What, Role::Is, Role::The, Role::Find, Role::Filler, Role::Whose,
-            Role::At, Role::Of, Role::Color,
+            Role::Which,
+            Role::What,
+            Role::Is,
+            Role::The,
+            Role::Find,
+            Role::Filler,
+            Role::Whose,
+            Role::At,
+            Role::Of,
+            Role::Color,
         ]);
         let at = self.next_not_in(self.state.at, BEFORE);
         self.is_at(at, Role::Colour) && (at == self.state.at || !self.is_at(at, Role::Coloured))
@@ -98,7 +106,8 @@ impl Parser<'_> {
         if let Some(group) = group {
             let pattern = self.with_modifiers(group.pattern, group.count);
             if self.is(Role::Possessive) {
-                let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::Unknown, Role::Looks]));
+                let next =
+                    self.next_not_in(self.state.at + 1, Roles::of(&[Role::Unknown, Role::Looks]));
                 if let Some(garment) = self.entry_at(next).garment {
                     self.state.at = next + 1;
                     return Some((garment, pattern));
@@ -174,9 +183,8 @@ impl Parser<'_> {
 
     /// The position of the colours at the end of the sentence.
     fn trailing_colors(&self) -> Option<usize> {
-        const LIST: Roles = Roles::of(&[
-            Role::Color, Role::Shade, Role::Or, Role::And, Role::Comma, Role::Not,
-        ]);
+        const LIST: Roles =
+            Roles::of(&[Role::Color, Role::Shade, Role::Or, Role::And, Role::Comma, Role::Not]);
         let end = self.state.tokens.len();
         let mut start = end;
         while start > self.state.at && self.roles_at(start - 1).has_any(LIST) {

@@ -2,8 +2,8 @@
 //! to the door".
 
 use jrdb_types::query::{Category, Place, Quantity, RelationKind, Viewpoint};
-use jrdb_types::{Condition, Pattern};
 use jrdb_types::vocab::PairWord;
+use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
@@ -181,7 +181,12 @@ impl Parser<'_> {
     /// "a balloon", "his left arm": no thing of the lexicon.
     fn is_unknown_object_at_hand(&self) -> bool {
         const STRANGE: Roles = Roles::of(&[
-            Role::Unknown, Role::Looks, Role::Garment, Role::Color, Role::Shade, Role::Sector,
+            Role::Unknown,
+            Role::Looks,
+            Role::Garment,
+            Role::Color,
+            Role::Shade,
+            Role::Sector,
             Role::Implies,
         ]);
         let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
@@ -238,7 +243,9 @@ impl Parser<'_> {
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
             self.state.at = start;
-            let is_both = entry.relation.is_some() && entry.relation_too.is_some() && is_away
+            let is_both = entry.relation.is_some()
+                && entry.relation_too.is_some()
+                && is_away
                 && entry.implies.is_empty();
             let alone = if is_mutual || is_both {
                 Pattern::default()
@@ -332,20 +339,42 @@ impl Parser<'_> {
     /// Whether the colour at hand is said of a person behind "is".
     fn is_race_said_of(&self, subject: &Pattern) -> bool {
         const LIST: Roles = Roles::of(&[
-            Role::Implies, Role::Comma, Role::And, Role::Or, Role::Not, Role::Filler,
-            Role::Either, Role::Neither,
+            Role::Implies,
+            Role::Comma,
+            Role::And,
+            Role::Or,
+            Role::Not,
+            Role::Filler,
+            Role::Either,
+            Role::Neither,
         ]);
         let is_person = matches!(subject.category, Category::Person | Category::Anything);
         let mut before = self.state.at;
-        while before > 0 && self.roles_at(before - 1).has_any(LIST) && !self.is_at(before - 1, Role::Is) {
+        while before > 0
+            && self.roles_at(before - 1).has_any(LIST)
+            && !self.is_at(before - 1, Role::Is)
+        {
             before -= 1;
         }
         let is_said = before > 0
-            && self.roles_at(before - 1).has_any(Roles::of(&[Role::Is, Role::Asks, Role::Noun, Role::One]));
+            && self.roles_at(before - 1).has_any(Roles::of(&[
+                Role::Is,
+                Role::Asks,
+                Role::Noun,
+                Role::One,
+            ]));
         let is_asked = (0..before).any(|at| self.is_at(at, Role::Is));
         let ends = !self.roles_at(self.state.at + 1).has_any(Roles::of(&[
-            Role::Garment, Role::Looks, Role::Color, Role::Worn,
+            Role::Garment,
+            Role::Looks,
+            Role::Color,
+            Role::Worn,
         ]));
+        let is_last =
+            self.state.at + 1 == self.state.tokens.len() || self.is_at(self.state.at + 1, Role::Or);
+        if is_person && is_last && self.is_at(0, Role::Is) {
+            return true;
+        }
         is_person && ends && is_said && (self.is_at(before.wrapping_sub(1), Role::Is) || is_asked)
     }
 }

@@ -68,20 +68,20 @@
 //! `pattern`, `phrase` and `parser` do not know any production.
 
 mod appearance;
+mod choice;
 mod clause;
 mod clothes;
-mod choice;
 mod command;
 mod coordination;
 mod discourse;
 mod distribution;
+mod garment;
 mod interaction;
 mod location;
-mod garment;
 mod noun;
 mod number;
-mod place;
 mod passive;
+mod place;
 mod possession;
 mod predicate;
 mod question;

@@ -107,6 +107,9 @@ impl Parser<'_> {
         let checkpoint = self.checkpoint();
         group.start = self.state.at;
         self.determiners(group);
+        if self.of_them(group) {
+            return true;
+        }
         let is_described = self.adjectives(group);
         if self.noun(group) || self.counted_pronoun(group) || is_described {
             reconcile_ages(group);
@@ -191,7 +194,8 @@ impl Parser<'_> {
     pub(crate) fn is_noun_ahead(&self, from: usize) -> bool {
         for at in from..from + LOOK_MAX {
             let roles = self.roles_at(at);
-            if roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
+            let is_id = roles.has(Role::IdMark) && self.is_at(at + 1, Role::Number);
+            if is_id || roles.has_any(Roles::of(&[Role::Noun, Role::One])) {
                 return true;
             }
             if !roles.has_any(BEFORE_NOUN) {
@@ -351,8 +355,14 @@ impl Parser<'_> {
     /// of one.
     fn is_race(&self) -> bool {
         const LIST: Roles = Roles::of(&[
-            Role::Implies, Role::Comma, Role::And, Role::Or, Role::Group, Role::Filler,
-            Role::Superlative, Role::Slash,
+            Role::Implies,
+            Role::Comma,
+            Role::And,
+            Role::Or,
+            Role::Group,
+            Role::Filler,
+            Role::Superlative,
+            Role::Slash,
         ]);
         let mut next = self.state.at + 1;
         while self.roles_at(next).has_any(LIST) && !self.is_at(next, Role::Noun) {
@@ -362,9 +372,7 @@ impl Parser<'_> {
             next += 1;
         }
         let is_one = self.is_at(next, Role::One) && !self.is_at(next, Role::The);
-        let is_gender = |c: &Condition| {
-            matches!(c, Condition::Attribute(v) if v.attribute() == Attribute::Gender)
-        };
+        let is_gender = |c: &Condition| matches!(c, Condition::Attribute(v) if v.attribute() == Attribute::Gender);
         if (self.state.at + 1..next).any(|at| self.entry_at(at).implies.iter().any(is_gender)) {
             return true;
         }
@@ -440,7 +448,7 @@ impl Parser<'_> {
     }
 
     /// "older" of "an older man" and "the older men": an age, and not the oldest.
-    fn older(&mut self, group: &mut NounGroup) -> bool {
+    pub(crate) fn older(&mut self, group: &mut NounGroup) -> bool {
         let Some((Measured::Age, order)) = self.entry().order else { return false };
         let next = self.state.at + 1;
         let noun = (next..next + LOOK_MAX)
@@ -568,11 +576,36 @@ impl Parser<'_> {
         true
     }
 
+    /// "them" of "all of them", "one of them": of those spoken of before, or of all people.
+    fn of_them(&mut self, group: &mut NounGroup) -> bool {
+        const BEFORE: Roles =
+            Roles::of(&[Role::A, Role::All, Role::Most, Role::Half, Role::NoneOf, Role::Of]);
+        let at = self.state.at;
+        let is_of = at > group.start && self.roles_at(at - 1).has_any(BEFORE);
+        let is_them = self.word(at).eq_ignore_ascii_case("them");
+        if !is_of && group.count.is_none() && group.quantity.is_none() || !is_them {
+            return false;
+        }
+        self.bump();
+        let those = self.discourse.clone().or_else(|| self.state.antecedent.clone());
+        group.pattern = those.map(|those| (*those).clone()).unwrap_or_default();
+        true
+    }
+
     /// "the two on the bench": so many people, or of those spoken of before.
     fn counted_pronoun(&mut self, group: &mut NounGroup) -> bool {
         const FOLLOWS: Roles = Roles::of(&[
-            Role::At, Role::Who, Role::With, Role::Is, Role::Action, Role::Relation, Role::Near,
-            Role::Interaction, Role::Without, Role::Sector, Role::Of,
+            Role::At,
+            Role::Who,
+            Role::With,
+            Role::Is,
+            Role::Action,
+            Role::Relation,
+            Role::Near,
+            Role::Interaction,
+            Role::Without,
+            Role::Sector,
+            Role::Of,
         ]);
         let at = self.state.at;
         let is_definite = at > 0 && self.is_at(at - 1, Role::The);
@@ -620,8 +653,14 @@ impl Parser<'_> {
 
     /// "4" of "person 4", "#4" of "person #4".
     fn numbered(&mut self, pattern: &mut Pattern) {
-        const MEASURES: Roles =
-            Roles::of(&[Role::Unit, Role::Degrees, Role::Clock, Role::Suffix, Role::Noun, Role::To]);
+        const MEASURES: Roles = Roles::of(&[
+            Role::Unit,
+            Role::Degrees,
+            Role::Clock,
+            Role::Suffix,
+            Role::Noun,
+            Role::To,
+        ]);
         if self.marked_id(pattern) {
             return;
         }

@@ -174,7 +174,8 @@ impl Parser<'_> {
 
     /// "ninety" of "one metre ninety".
     fn hundredths(&mut self, unit: f64) -> f64 {
-        let is_last = !self.roles_at(self.state.at + 1).has_any(Roles::of(&[Role::Unit, Role::Noun]));
+        let is_last =
+            !self.roles_at(self.state.at + 1).has_any(Roles::of(&[Role::Unit, Role::Noun]));
         if unit != 1.0 || !self.is(Role::Number) || !is_last {
             return 0.0;
         }

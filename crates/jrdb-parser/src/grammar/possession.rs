@@ -93,12 +93,13 @@ impl Parser<'_> {
         self.entry_at(next).category == Some(Category::Person)
     }
 
-    fn one_possession(&mut self, pattern: &mut Pattern) -> Option<Condition> {
+    pub(crate) fn one_possession(&mut self, pattern: &mut Pattern) -> Option<Condition> {
         if let Some(robot) = self.robot() {
             let kinds = vec![RelationKind::With];
             return Some(related(kinds, robot, Quantity::SOME));
         }
-        if self.is(Role::Him) && !self.is_noun_ahead(self.state.at + 1) && self.discourse.is_some() {
+        if self.is(Role::Him) && !self.is_noun_ahead(self.state.at + 1) && self.discourse.is_some()
+        {
             let him = self.pronoun()?;
             return Some(related(vec![RelationKind::With], him, Quantity::SOME));
         }

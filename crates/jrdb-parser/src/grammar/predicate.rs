@@ -3,6 +3,7 @@
 use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
+use crate::grammar::appearance::VISIBLE;
 use crate::grammar::clothes::CLOTHES_START;
 use crate::grammar::noun::NOUN_START;
 use crate::grammar::place::LOCATION_START;
@@ -82,7 +83,7 @@ impl Parser<'_> {
             }
             self.rewind(checkpoint);
         }
-        if roles.has(Role::Looks) && self.deed(pattern) {
+        if roles.has_any(Roles::of(&[Role::Looks, Role::Unknown])) && self.deed(pattern) {
             return true;
         }
         if roles.has_any(LOCATION_START) && !roles.has(Role::Noun) && self.location(pattern, after)
@@ -315,6 +316,10 @@ impl Parser<'_> {
 
     /// "cane" of "old man cane": telegram style for "with a cane".
     fn bare_thing(&mut self, pattern: &mut Pattern) -> bool {
+        let is_worn = self.roles().has_any(Roles::of(&[Role::Worn, Role::Garment, Role::Color]));
+        if is_worn && pattern.category == Category::Person && self.bare_worn(pattern) {
+            return true;
+        }
         if !self.is_bare_thing_at(self.state.at) || pattern.category != Category::Person {
             return false;
         }
@@ -329,7 +334,9 @@ impl Parser<'_> {
         let is_thing = matches!(category, Some(Category::Class(_)));
         let before = self.roles_at(at.wrapping_sub(1));
         let is_plural = self.is_at(at, Role::Plural) && !self.is_at(at, Role::Singular);
-        is_thing && !is_plural && !before.has_any(Roles::of(&[Role::The, Role::A, Role::And, Role::Or]))
+        is_thing
+            && !is_plural
+            && !before.has_any(Roles::of(&[Role::The, Role::A, Role::And, Role::Or]))
     }
 
     /// "whose age is young".
@@ -342,9 +349,16 @@ impl Parser<'_> {
         } else {
             self.whose_clothes(pattern)
         };
-        if !found {
-            self.rewind(checkpoint);
+        if found {
+            return true;
         }
-        found
+        self.rewind(checkpoint);
+        let first = self.state.at + 1;
+        let is_said = self.roles_at(first).has_any(VISIBLE) && self.is_at(first + 1, Role::Is);
+        if is_said {
+            let end = self.description_end(first + 2).max(first + 3).min(self.state.tokens.len());
+            self.push_looks(pattern, first, end);
+        }
+        is_said
     }
 }

@@ -285,7 +285,8 @@ impl Parser<'_> {
         if verb == Verb::Have && self.is(Role::A) {
             self.possessed(&mut group.pattern);
         }
-        let has_predicate = is_definite || group.is_all || group.share.is_some() || group.pattern.pick.is_some();
+        let has_predicate =
+            is_definite || group.is_all || group.share.is_some() || group.pattern.pick.is_some();
         let mut target =
             if has_predicate { self.predicate_of(group) } else { self.finish_target(group) };
         if let Some(asked) = self.asked_apart(&mut target) {

@@ -114,7 +114,10 @@ impl Parser<'_> {
     fn is_place_of_subject(&self) -> bool {
         let mutual = RelationKind::Pair(PairWord::Adjacent);
         let is_beside = self.is(Role::Relation) && self.entry().relation.as_ref() == Some(&mutual);
-        let is_length = self.roles().has_any(Roles::of(&[Role::Number, Role::Limit]));
+        let is_on = self.is(Role::Implies)
+            && !self.is(Role::Action)
+            && self.entry().implies.iter().all(|c| matches!(c, Condition::Related(_)));
+        let is_length = is_on || self.roles().has_any(Roles::of(&[Role::Number, Role::Limit]));
         is_beside || is_length || self.roles().has_any(PLACES)
     }
 
@@ -124,9 +127,11 @@ impl Parser<'_> {
 
     /// "a woman", "the tallest", "a man or a woman" behind the subject of a question.
     fn subject_complement(&mut self, pattern: &mut Pattern) {
-        if !self.roles().has_any(COMPLEMENT_START) {
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::Filler]));
+        if !self.roles_at(next).has_any(COMPLEMENT_START) {
             return;
         }
+        self.state.at = next;
         let checkpoint = self.checkpoint();
         if let Some(condition) = self.alternative_complements(&pattern.category) {
             pattern.conditions.push(condition);
@@ -230,7 +235,8 @@ impl Parser<'_> {
     fn is_described_doer_at(&self, at: usize) -> bool {
         const ENDS: Roles = Roles::of(&[Role::With, Role::To]);
         const REACH: usize = 14;
-        let Some(noun) = self.noun_at(self.next_not_in(at, Roles::of(&[Role::The, Role::A]))) else {
+        let Some(noun) = self.noun_at(self.next_not_in(at, Roles::of(&[Role::The, Role::A])))
+        else {
             return false;
         };
         if self.entry_at(noun).category != Some(Category::Person) {

@@ -3,7 +3,8 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, Quantity,
+    RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};

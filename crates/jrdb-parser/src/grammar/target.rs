@@ -25,6 +25,13 @@ impl Parser<'_> {
     pub(crate) fn target_noun_group(&mut self) -> NounGroup {
         self.skip_while(Roles::of(&[Role::Either, Role::Filler]));
         let mut group = NounGroup::default();
+        if self.is(Role::Comparative) && self.older(&mut group) {
+            let mut all = NounGroup::default();
+            if self.read_noun_group(&mut all) {
+                all.pattern.conditions.splice(0..0, group.pattern.conditions);
+                return all;
+            }
+        }
         if let Some(those) = self.demonstrated() {
             return NounGroup { pattern: those, ..NounGroup::default() };
         }
@@ -32,6 +39,11 @@ impl Parser<'_> {
             return group;
         }
         if self.is(Role::Him) {
+            let those = self.discourse.clone();
+            if let Some(those) = those {
+                self.eat_pronoun();
+                return NounGroup { pattern: (*those).clone(), ..NounGroup::default() };
+            }
             let pattern = self.pronoun().unwrap_or_default();
             return NounGroup { pattern, ..NounGroup::default() };
         }

@@ -93,9 +93,10 @@ impl Parser<'_> {
         }
         let entry = self.entry_at(last);
         let is_facing = entry.relation == Some(RelationKind::Pair(PairWord::Facing));
-        let is_look = ["looking", "look", "turned", "pointing", "facing", "headed", "moving", "going"]
-            .iter()
-            .any(|word| self.word(last).eq_ignore_ascii_case(word));
+        let is_look =
+            ["looking", "look", "turned", "pointing", "facing", "headed", "moving", "going"]
+                .iter()
+                .any(|word| self.word(last).eq_ignore_ascii_case(word));
         let is_way = entry.roles.has(Role::Action) && !entry.roles.has(Role::Noun);
         let found = last > self.state.at && (is_facing || is_look || is_way);
         if found {
@@ -178,7 +179,12 @@ impl Parser<'_> {
             self.drop_last();
             self.state.asks_doing = true;
         }
-        if self.state.tokens.last().is_some_and(|last| last.entry.object.as_deref() == Some("wearing")) {
+        if self
+            .state
+            .tokens
+            .last()
+            .is_some_and(|last| last.entry.object.as_deref() == Some("wearing"))
+        {
             return self.worn_by(group);
         }
         let label = self.last_interaction();
@@ -313,6 +319,14 @@ impl Parser<'_> {
         if self.is_end() || had_is && self.sees() {
             return (Task::Find, Pattern::default());
         }
+        let is_those = self.roles().has_any(Roles::of(&[Role::Him, Role::The]))
+            && self.discourse.is_some()
+            && self.entry().category.is_none();
+        let is_alone = self.state.at + 1 == self.state.tokens.len();
+        if had_is && is_those && (is_alone || self.is(Role::Him)) {
+            let group = self.target_noun_group();
+            return self.who_is(group);
+        }
         let group = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
             self.noun_group()
         } else {
@@ -321,6 +335,11 @@ impl Parser<'_> {
         let Some(group) = group.filter(|_| !self.is_located_by_his_at(self.state.at)) else {
             return self.who_does();
         };
+        self.who_is(group)
+    }
+
+    /// "the man talking to" behind "who is".
+    fn who_is(&mut self, group: NounGroup) -> (Task, Pattern) {
         let done =
             if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
         let mut target = self.finish_target(group);

@@ -30,6 +30,10 @@ const FORMS: [(&str, &str); 15] = [
 
 /// Whether a word in lower case, or the word that it is a form of, is a common English word.
 pub(crate) fn is_english(word: &str) -> bool {
+    word.is_ascii() && is_form(word)
+}
+
+fn is_form(word: &str) -> bool {
     let stem = |(ending, end): &(&str, &str)| {
         let stem = word.strip_suffix(ending).filter(|stem| stem.len() > 2)?;
         let doubled = stem.as_bytes().windows(2).last().is_some_and(|two| two[0] == two[1]);

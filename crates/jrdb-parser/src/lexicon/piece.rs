@@ -172,7 +172,9 @@ fn piece(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
     match CLASSES[usize::from(bytes[at])] {
         Class::Letter => (Some(special::UNKNOWN), word_end(bytes, text, at) - at),
         Class::Digit => (Some(special::NUMBER), number_length(bytes, at)),
-        Class::Hash if is_digit(bytes, at + 1) || at + 1 == bytes.len() => (Some(special::UNKNOWN), 1),
+        Class::Hash if is_digit(bytes, at + 1) || at + 1 == bytes.len() => {
+            (Some(special::UNKNOWN), 1)
+        }
         Class::Hash => (None, 1),
         Class::Comma => (Some(special::COMMA), 1),
         Class::Slash => (Some(special::SLASH), 1),

@@ -1,8 +1,8 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Command, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place, Property, Quantity,
-    Related, RelationKind, Share, Slot, Task, Viewpoint,
+    Category, Command, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place,
+    Property, Quantity, Related, RelationKind, Share, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Elevation, PairWord, Sector};
 use jrdb_types::{
@@ -55,8 +55,18 @@ pub fn read(text: &str) -> Result<Query, NotationError> {
 impl Reader<'_> {
     fn task(&mut self) -> Read<Task> {
         const WORDS: [&str; 12] = [
-            "find", "count", "where", "exists", "which", "more", "fewer", "each", "choice",
-            "distance", "direction", "groups",
+            "find",
+            "count",
+            "where",
+            "exists",
+            "which",
+            "more",
+            "fewer",
+            "each",
+            "choice",
+            "distance",
+            "direction",
+            "groups",
         ];
         let Some(word) = WORDS.into_iter().find(|word| self.is(word)) else {
             return Err(self.wanted(&WORDS.join(", ")));
