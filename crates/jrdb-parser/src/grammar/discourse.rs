@@ -36,19 +36,20 @@ enum Kind {
 }
 
 impl<'t> Parser<'t> {
-    /// Reads all sentences.
-    pub(crate) fn discourse(&mut self) -> Asked {
+    /// Reads all sentences, after a question that was asked before.
+    pub(crate) fn discourse(&mut self, before: Asked) -> Asked {
         let all = self.state.tokens;
         let sentences = self.sentences(all);
-        if let [_] = sentences[..] {
-            let before = self.discourse.is_some();
-            let kind = if before { self.kind() } else { Kind::Question };
-            return self.sentence(kind, &Asked::from_context(self.discourse.as_deref()));
+        let follows = self.discourse.is_some();
+        if sentences.len() == 1 && !follows {
+            return self.sentence(Kind::Question, &before);
         }
         self.has_pronouns = true;
-        let mut asked = Asked::default();
-        let mut is_asked = false;
-        for sentence in sentences {
+        let mut asked = before;
+        let mut is_asked = follows;
+        let count = sentences.len();
+        for (number, sentence) in sentences.into_iter().enumerate() {
+            let is_last = number + 1 == count;
             self.begin(sentence);
             let kind = match self.kind() {
                 Kind::Fragment if !is_asked => Kind::More,
@@ -63,7 +64,7 @@ impl<'t> Parser<'t> {
                 continue;
             }
             self.discourse = Some(Rc::new(truncated_antecedent(&next.target)));
-            if kind == Kind::Statement && is_asked {
+            if kind == Kind::Statement && is_asked && !(follows && is_last) {
                 continue;
             }
             is_asked |= kind != Kind::Statement;
@@ -283,13 +284,6 @@ impl<'t> Parser<'t> {
     /// Whether a fragment only says of which people the same is asked.
     fn is_refined(&self, target: &Pattern) -> bool {
         target.category == Category::Person && target.conditions.iter().all(is_of_people)
-    }
-}
-
-impl Asked {
-    /// What a conversation has spoken of before.
-    fn from_context(those: Option<&Pattern>) -> Self {
-        Self { target: those.cloned().unwrap_or_default(), ..Self::default() }
     }
 }
 

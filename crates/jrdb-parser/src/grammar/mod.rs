@@ -67,6 +67,7 @@
 //! Everything below this folder is free of cycles: `lexicon`, `suggest`, `token`, `issues`,
 //! `pattern`, `phrase` and `parser` do not know any production.
 
+mod adjective;
 mod appearance;
 mod choice;
 mod clause;
@@ -77,6 +78,7 @@ mod discourse;
 mod distribution;
 mod garment;
 mod interaction;
+mod kind;
 mod location;
 mod noun;
 mod number;
@@ -85,6 +87,7 @@ mod place;
 mod possession;
 mod predicate;
 mod question;
+mod reference;
 mod subject;
 mod superlative;
 mod target;

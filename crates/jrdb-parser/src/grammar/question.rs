@@ -1,5 +1,7 @@
 //! Questions and requests: "find", "how many", "is there", "what is the man doing".
 
+use std::rc::Rc;
+
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
 use jrdb_types::{Attribute, Condition, Pattern, Query};
@@ -8,7 +10,7 @@ use crate::grammar::discourse::Asked;
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::{Parser, has_known_word};
-use crate::pattern::split_from;
+use crate::pattern::{split_from, truncated_antecedent};
 use crate::phrase::{NounGroup, Target};
 
 /// What "describe" asks for.
@@ -35,10 +37,22 @@ enum Verb {
 }
 
 impl Parser<'_> {
+    /// Reads a question that follows another.
+    pub(crate) fn question_after(mut self, before: &Query) -> Query {
+        self.discourse = Some(Rc::new(truncated_antecedent(&before.target)));
+        let asked =
+            Asked { task: before.task.clone(), target: before.target.clone(), command: None };
+        self.question_in(asked)
+    }
+
     /// Reads the whole question.
-    pub(crate) fn question(mut self) -> Query {
+    pub(crate) fn question(self) -> Query {
+        self.question_in(Asked::default())
+    }
+
+    fn question_in(mut self, before: Asked) -> Query {
         let all = self.state.tokens;
-        let Asked { task, mut target, command } = self.discourse();
+        let Asked { task, mut target, command } = self.discourse(before);
         while !self.is_end() {
             self.report_unused();
         }
