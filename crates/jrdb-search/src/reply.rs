@@ -19,7 +19,7 @@ use crate::status::Meant;
 /// The reply, given who is meant.
 pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitSet) -> Reply {
     match &query.task {
-        Task::Find => Reply::Things,
+        Task::Find if query.command.is_none() => Reply::Things,
         Task::Each { .. } => Reply::YesNo(None),
         Task::Groups => Reply::Number(groups(searcher, selection)),
         Task::Choice { options } => Reply::Properties(
@@ -36,7 +36,7 @@ pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitS
             let others = by_sets(searcher, than).count();
             Reply::YesNo(Some(compare(selection.count(), *order, others)))
         }
-        Task::Where => {
+        Task::Find | Task::Where => {
             Reply::Properties(selection.iter().filter_map(|n| place(searcher, n)).collect())
         }
         Task::Which { properties, .. } => {

@@ -150,6 +150,7 @@ impl Parser<'_> {
     /// The end of "a book" or "his left arm" behind a deed.
     fn object_end(&self, at: usize) -> usize {
         const BEFORE: Roles = Roles::of(&[
+            Role::All,
             Role::The,
             Role::A,
             Role::His,

@@ -309,13 +309,10 @@ impl Parser<'_> {
         let span = self.span(start, end);
         let words = self.text.get(span.start..span.end).unwrap_or_default().trim();
         let says = |at: usize| {
-            !self.roles_at(at).has_any(Roles::of(&[
-                Role::The,
-                Role::A,
-                Role::Him,
-                Role::Robot,
-                Role::Filler,
-            ]))
+            const SILENT: Roles = Roles::of(&[Role::Him, Role::Robot, Role::Filler]);
+            let word = self.word(at);
+            let is_article = ["the", "a", "an"].iter().any(|a| word.eq_ignore_ascii_case(a));
+            !is_article && !self.roles_at(at).has_any(SILENT)
         };
         let is_said = (start..end).any(says);
         (end > start && is_said && !words.is_empty()).then(|| words.to_owned())

@@ -112,7 +112,8 @@ impl<'t> Parser<'t> {
         const TAG: Roles = Roles::of(&[Role::Him, Role::One, Role::The, Role::Filler, Role::Not]);
         let is_verb = has(at, Roles::of(&[Role::Is, Role::Doing, Role::Has]));
         let is_tag = is_verb && (at + 1..all.len()).all(|at| has(at, TAG));
-        let first = all[0].roles;
+        let is_filler = |token: &&Token| token.roles.has(Role::Filler);
+        let first = all.iter().find(|token| !is_filler(token)).map_or(all[0].roles, |t| t.roles);
         let is_named =
             !first.has_any(ASKS.and(Roles::of(&[Role::Find, Role::Count, Role::Command])))
                 || first.has(Role::The);

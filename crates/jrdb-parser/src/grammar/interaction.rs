@@ -372,7 +372,7 @@ impl Parser<'_> {
         ]));
         let is_last =
             self.state.at + 1 == self.state.tokens.len() || self.is_at(self.state.at + 1, Role::Or);
-        if is_person && is_last && self.is_at(0, Role::Is) {
+        if is_person && is_last && self.state.asks_several {
             return true;
         }
         is_person && ends && is_said && (self.is_at(before.wrapping_sub(1), Role::Is) || is_asked)

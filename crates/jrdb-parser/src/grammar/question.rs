@@ -202,9 +202,11 @@ impl Parser<'_> {
             Role::If,
         ]);
         self.bump();
-        self.skip_while(Roles::of(&[Role::Filler, Role::To]));
+        self.skip_while(Roles::of(&[Role::Filler, Role::To, Role::Comma]));
         let roles = self.roles();
-        if roles.has_any(OPENERS) && !roles.has(Role::The) {
+        let asks = roles.has_any(Roles::of(&[Role::Is, Role::Doing, Role::Has]));
+        let is_asked = asks && self.is_at(self.state.at - 1, Role::Comma);
+        if is_asked || roles.has_any(OPENERS) && !roles.has(Role::The) {
             return self.nested(Self::question_form);
         }
         if self.eat_unsupported_property() {
