@@ -48,7 +48,7 @@ pub fn parse(text: &str) -> Query {
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
-    let viewed = viewed(&mut tokens, config);
+    let viewed = viewed(&mut tokens);
     let mut parser = Parser::new(text, viewed.as_ref().unwrap_or(config), &tokens, issues);
     parser.is_viewed = viewed.is_some();
     parser.question()
@@ -67,20 +67,20 @@ pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
 pub fn parse_after(text: &str, config: &ParserConfig, before: &Query) -> Query {
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
-    let viewed = viewed(&mut tokens, config);
+    let viewed = viewed(&mut tokens);
     let mut parser = Parser::new(text, viewed.as_ref().unwrap_or(config), &tokens, issues);
     parser.is_viewed = viewed.is_some();
     parser.question_after(before)
 }
 
 /// Takes out "from where I stand" and "as the robot sees it", which say whose left is meant.
-fn viewed(tokens: &mut token::Tokens, config: &ParserConfig) -> Option<ParserConfig> {
+fn viewed(tokens: &mut token::Tokens) -> Option<ParserConfig> {
     let is_view = |token: &token::Token| token.roles.has(lexicon::Role::RobotView);
     if !tokens.iter().any(is_view) {
         return None;
     }
     tokens.retain(|token| !is_view(token));
-    Some(ParserConfig { viewpoint: OfPerson::Robot, ..config.clone() })
+    Some(ParserConfig { viewpoint: OfPerson::Robot })
 }
 
 /// Whether any part of the text was understood: whether a word states what is asked or about what.

@@ -144,6 +144,10 @@ impl Searcher<'_, '_> {
         let mut fill = |of: &dyn Fn(usize) -> Value| {
             within.iter().for_each(|number| values[number] = of(number));
         };
+        if let Some(of) = self.described(condition) {
+            fill(&*of);
+            return Column::new(condition, values, Inner::Leaf);
+        }
         let inner = match condition {
             Condition::FromRobot(place) => {
                 fill(&|number| self.robot_place_value(number, place));
@@ -158,28 +162,6 @@ impl Searcher<'_, '_> {
                 let comparison = self.comparison(compared);
                 fill(&|number| Value::certain(comparison.truth(number)));
                 Inner::Comparison(comparison)
-            }
-            Condition::Measures(Measures { measure, within }) => {
-                let measures = self.measures(measure);
-                fill(&|number| Value::certain(within_truth(measures[number], within)));
-                Inner::Leaf
-            }
-            Condition::Nearer(nearer) => {
-                let truths = self.nearer(nearer);
-                fill(&|number| Value::certain(truths[number]));
-                Inner::Leaf
-            }
-            Condition::Looks(phrase) => {
-                fill(&|number| self.looks(number, &phrase.words));
-                Inner::Leaf
-            }
-            Condition::Id(id) => {
-                fill(&|number| Value::certain(self.id_truth(number, *id)));
-                Inner::Leaf
-            }
-            Condition::Phrase(_) => {
-                fill(&|_| Value::NOT_UNDERSTOOD);
-                Inner::Leaf
             }
             Condition::Is(pattern) => {
                 let mut those = self.evaluate(pattern);
@@ -213,8 +195,31 @@ impl Searcher<'_, '_> {
                 });
                 Inner::Leaf
             }
+            // Filled already.
+            _ => Inner::Leaf,
         };
         Column::new(condition, values, inner)
+    }
+
+    /// The value of a condition that looks at nothing but the thing itself, apart from attributes.
+    fn described<'s>(
+        &'s self,
+        condition: &'s Condition,
+    ) -> Option<Box<dyn Fn(usize) -> Value + 's>> {
+        Some(match condition {
+            Condition::Measures(Measures { measure, within }) => {
+                let measures = self.measures(measure);
+                Box::new(move |number| Value::certain(within_truth(measures[number], within)))
+            }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                Box::new(move |number| Value::certain(truths[number]))
+            }
+            Condition::Looks(phrase) => Box::new(|number| self.looks(number, &phrase.words)),
+            Condition::Id(id) => Box::new(|number| Value::certain(self.id_truth(number, *id))),
+            Condition::Phrase(_) => Box::new(|_| Value::NOT_UNDERSTOOD),
+            _ => return None,
+        })
     }
 
     fn robot_place_value(&self, number: usize, asked: &jrdb_types::Place) -> Value {

@@ -101,7 +101,7 @@ impl Parser<'_> {
         }
         let is_race = roles.has(Role::Color) && roles.has(Role::Implies);
         if roles.has(Role::Noun)
-            || roles.has(Role::Implies) && self.is_adjective_here() && !(is_race && !self.is_race())
+            || roles.has(Role::Implies) && self.is_adjective_here() && (!is_race || self.is_race())
         {
             group.pattern.conditions.extend(self.implied(at));
             self.bump();

@@ -255,17 +255,15 @@ impl Parser<'_> {
                 && self.is_at(end + 1, Role::Looks)
                 && !self.is_at(end + 1, Role::Noun);
             let is_noun = self.is_at(end, Role::Noun) && !self.roles_at(end).has_any(run);
-            if self.roles_at(end).has_any(run) && !is_noun || is_adjective {
-                end += 1;
-            } else if self.roles_at(end).has_any(joint)
+            let is_between_colors = self.roles_at(end).has_any(joint)
                 && end > start
                 && self.is_at(end - 1, Role::Color)
-                && self.is_at(end + 1, Role::Color)
-            {
-                end += 1;
-            } else {
+                && self.is_at(end + 1, Role::Color);
+            let is_looking = self.roles_at(end).has_any(run) && !is_noun;
+            if !is_looking && !is_adjective && !is_between_colors {
                 break;
             }
+            end += 1;
         }
         if end == start || end > start + WORDS_MAX || !self.is_noun_ahead(end) {
             return false;

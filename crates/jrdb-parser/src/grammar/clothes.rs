@@ -204,7 +204,7 @@ impl Parser<'_> {
         let mut is_wholly = self.wholly() || self.is_wholly;
         self.skip_while(ARTICLES);
         let has_article = self.state.at > start && !is_wholly && !is_something;
-        let before = self.behind_some(|parser, at| parser.is_color_at(at));
+        let before = self.behind_some(Self::is_color_at);
         let Some(before) = before else {
             self.rewind(checkpoint);
             return false;

@@ -49,8 +49,8 @@ impl Parser<'_> {
             .find(|action| self.person_in(action).is_some())
             .or_else(|| actions.iter().find(|action| self.is_anybody_in(action)))?;
         let all = self.state.tokens;
-        let later = actions.iter().filter(|action| action.verb > main.verb);
-        let last = later.filter(|action| self.has_pronoun_in(action)).next_back().copied();
+        let mut later = actions.iter().filter(|action| action.verb > main.verb);
+        let last = later.rfind(|action| self.has_pronoun_in(action)).copied();
         let told = last.filter(|last| self.is_at(last.verb, Role::Command)).unwrap_or(main);
         let places = self.places_before(&actions, main);
         let later_command = self.named(told, None, self.destination_in(told));

@@ -129,7 +129,14 @@ impl Parser<'_> {
                 group.share = Some(Share::All);
             } else if roles.has(Role::Number) && self.is_count() {
                 let at = self.state.at;
-                group.count = self.whole().map(|count| (count, at));
+                let is_one_of = (group.start..at).any(|at| {
+                    self.is_at(at, Role::A) && self.word(at).to_ascii_lowercase().ends_with(" of")
+                });
+                let count = self.whole();
+                if is_one_of && count.is_some() {
+                    continue;
+                }
+                group.count = count.map(|count| (count, at));
                 let of_the = self.is(Role::Of) && self.is_at(self.state.at + 1, Role::The);
                 self.state.at += if of_the { 2 } else { 0 };
                 if group.count.is_none() {

@@ -313,10 +313,9 @@ impl Parser<'_> {
             let asked = split_from(&mut target.pattern.conditions, target.head);
             return (Task::Each { share, asked }, target.pattern);
         }
-        if is_definite && has_asked && self.state.subjects.is_none() {
-            if let Some(task) = self.choice_of(&mut target, start) {
-                return (task, target.pattern);
-            }
+        let may_choose = is_definite && has_asked && self.state.subjects.is_none();
+        if may_choose && let Some(task) = self.choice_of(&mut target, start) {
+            return (task, target.pattern);
         }
         let count = target.count.map(|(count, _)| count).or(self.state.subjects);
         let quantity = target.quantity.or(count.map(Quantity::at_least));

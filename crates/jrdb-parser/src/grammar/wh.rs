@@ -26,10 +26,10 @@ impl Parser<'_> {
             properties = vec![Property::Facing];
         }
         let mut group = self.target_noun_group();
-        if properties == [Property::Distance] {
-            if let Some(partner) = self.far_from(&mut group) {
-                return from(partner, group.pattern);
-            }
+        if properties == [Property::Distance]
+            && let Some(partner) = self.far_from(&mut group)
+        {
+            return from(partner, group.pattern);
         }
         self.drop_stranded_preposition();
         let is_activity = self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]));
