@@ -11,11 +11,7 @@ pub struct Conversation<'s> {
     before: Option<Query>,
 }
 
-impl<'s> Conversation<'s> {
-    pub(crate) fn new(scene: &'s Scene) -> Self {
-        Self { scene, before: None }
-    }
-
+impl Conversation<'_> {
     /// Answers a question; pronouns stand for what the question before was about.
     ///
     /// # Errors
@@ -26,5 +22,13 @@ impl<'s> Conversation<'s> {
         let answer = self.scene.ask_query(&query);
         self.before = Some(query);
         Ok(answer)
+    }
+}
+
+impl Scene {
+    /// A conversation: each question may go back to the one before.
+    #[must_use]
+    pub fn conversation(&self) -> Conversation<'_> {
+        Conversation { scene: self, before: None }
     }
 }

@@ -7,7 +7,6 @@ use jrdb_perception::Perceive;
 use jrdb_projection::BaseCloud;
 use jrdb_types::{Answer, Detections, Entities, FrameId, Image, Query, SceneGraph};
 
-use crate::conversation::Conversation;
 use crate::query::read_query;
 use crate::{Error, Frame, PipelineConfig};
 
@@ -32,12 +31,6 @@ impl Scene {
     /// [`Error::Query`] for a text of which nothing is understood, and for notation that does not fit together.
     pub fn ask(&self, question: &str) -> Result<Answer, Error> {
         Ok(self.ask_query(&read_query(question, &self.config().parser)?))
-    }
-
-    /// A conversation: each question may go back to the one before.
-    #[must_use]
-    pub fn conversation(&self) -> Conversation<'_> {
-        Conversation::new(self)
     }
 
     /// Answers a question that was read already.

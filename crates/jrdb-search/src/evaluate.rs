@@ -6,10 +6,10 @@ use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
 
 use crate::evaluation::{Column, Evaluated, Inner, Kinds, Link, Partner, Verdict};
-use crate::measure::within_truth;
 use crate::place;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
+use crate::value::within_truth;
 use crate::value::{NOBODY, Truth, Value};
 use crate::{World, attribute, ranked};
 

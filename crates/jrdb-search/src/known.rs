@@ -8,9 +8,9 @@ use jrdb_types::{Condition, Pattern, Related};
 
 use crate::World;
 use crate::evaluation::Partner;
-use crate::measure::within_truth;
 use crate::searcher::Searcher;
 use crate::value::Truth;
+use crate::value::within_truth;
 
 /// What is known of some things: for whom something holds and for whom it does not. Of all others it is unknown.
 #[derive(Debug, Clone)]

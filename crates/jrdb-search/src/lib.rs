@@ -8,6 +8,7 @@ mod causes;
 mod config;
 mod evaluate;
 mod evaluation;
+mod eyes;
 mod frames;
 mod geometry;
 mod group;

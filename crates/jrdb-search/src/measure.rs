@@ -2,7 +2,7 @@
 
 use jrdb_graph::BitSet;
 use jrdb_types::answer::Unit;
-use jrdb_types::query::{Category, Compared, Interval, Measure, Nearer, Order, Pick};
+use jrdb_types::query::{Category, Compared, Measure, Nearer, Order, Pick};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Attribute, Node, Pattern, Quantity};
 
@@ -189,11 +189,6 @@ impl Searcher<'_, '_> {
         order.into_iter().skip(first).take(pick.count as usize).for_each(|n| picked.insert(n));
         picked
     }
-}
-
-/// Whether a measure lies within bounds.
-pub(crate) fn within_truth(measure: Option<f64>, within: &Interval) -> Truth {
-    Truth::of_known(measure.map(|measure| within.contains(measure)))
 }
 
 /// Whether one thing is before another in the order of a measure; ties go by id. `None` if one cannot be measured.

@@ -12,10 +12,10 @@ use smallvec::SmallVec;
 use crate::World;
 use crate::evaluation::{Kinds, Link, Partner};
 use crate::known::Known;
-use crate::measure::within_truth;
 use crate::place;
 use crate::searcher::Searcher;
 use crate::value::Truth;
+use crate::value::within_truth;
 
 /// Numbers that fit into a majority's counter; more conditions than a question can have.
 const COUNTER_BITS: usize = 32;

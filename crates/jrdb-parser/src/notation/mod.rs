@@ -13,6 +13,7 @@ mod cursor;
 mod error;
 mod read;
 mod token;
+mod told;
 mod write;
 
 pub use error::NotationError;

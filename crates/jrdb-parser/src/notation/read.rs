@@ -1,8 +1,8 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Command, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place,
-    Property, Quantity, Related, RelationKind, Share, Slot, Task, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place, Property,
+    Quantity, Related, RelationKind, Slot, Task, Viewpoint,
 };
 use jrdb_types::vocab::{Elevation, PairWord, Sector};
 use jrdb_types::{
@@ -101,33 +101,6 @@ impl Reader<'_> {
         })
     }
 
-    /// `all [sitting] of`.
-    fn each(&mut self) -> Read<Task> {
-        let share = match () {
-            () if self.takes("all") => Share::All,
-            () if self.takes("none") => Share::None,
-            () if self.takes("most") => Share::Most,
-            () if self.takes("half") => Share::Half,
-            () => return Err(self.wanted("all, none, most or half")),
-        };
-        self.expect("[")?;
-        let asked = self.conditions("]")?;
-        self.expect("of")?;
-        Ok(Task::Each { share, asked })
-    }
-
-    /// `"take" "this" to "the kitchen"`.
-    fn command(&mut self) -> Read<Command> {
-        let verb = self.quoted().ok_or_else(|| self.wanted("a quoted verb"))?;
-        let object = self.quoted();
-        let destination = if self.takes("to") {
-            Some(self.quoted().ok_or_else(|| self.wanted("a quoted place"))?)
-        } else {
-            None
-        };
-        Ok(Command { verb, object, destination })
-    }
-
     fn which(&mut self) -> Read<Task> {
         let mut properties = Vec::new();
         loop {
@@ -192,7 +165,7 @@ impl Reader<'_> {
     }
 
     /// Conditions up to a closing bracket.
-    fn conditions(&mut self, close: &str) -> Read<Vec<Condition>> {
+    pub(super) fn conditions(&mut self, close: &str) -> Read<Vec<Condition>> {
         let mut conditions = vec![self.condition()?];
         while self.takes(",") {
             conditions.push(self.condition()?);
