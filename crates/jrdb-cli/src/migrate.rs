@@ -84,8 +84,8 @@ fn kinds() -> [Kind; 9] {
         kind::<Detections>(&[], "jrdb perceive --out detections.json"),
         kind::<Entities>(&[], "jrdb project --detections detections.json --dataset ROOT"),
         kind::<SceneGraph>(&[(1, unchanged)], "jrdb graph --entities entities.json"),
-        kind::<Query>(&[(2, without_dropped_words)], "jrdb parse {}"),
-        kind::<Answer>(&[], "jrdb search --graph scene_graph.json --text {}"),
+        kind::<Query>(&[(2, without_dropped_words), (3, unchanged)], "jrdb parse {}"),
+        kind::<Answer>(&[(3, unchanged)], "jrdb search --graph scene_graph.json --text {}"),
         kind::<Questions>(&[], "jrdb synth --out SCENE"),
         // Version 1 had no judgements, and they need the boxes.
         kind::<Scores>(&[], "jrdb evaluate --answers answer.json --questions questions.json"),

@@ -94,9 +94,9 @@ fn a_text_of_which_nothing_is_understood_is_bad_input() {
         contains(&ran.err, &["expected a question about people or things", "understood nothing"]);
         assert_eq!(jrdb(&["parse", text]).code, 2, "{text:?}");
     }
-    let ran = Scene::new().ask("Find the female with the zebra");
+    let ran = Scene::new().ask("Find the female with the theremin");
     assert_eq!(ran.code, 0);
-    contains(&ran.out, &["^^^^^", "zebra", "answer"]);
+    contains(&ran.out, &["theremin", "answer"]);
 }
 
 #[test]

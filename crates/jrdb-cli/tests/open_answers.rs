@@ -79,7 +79,7 @@ fn counts_have_bounds_and_those_who_may_be_meant_are_named() {
     let possible = answer["possible"].as_array().unwrap();
     assert_eq!(number["at_least"], 0);
     assert_eq!(number["at_most"].as_u64().unwrap() as usize, possible.len());
-    assert_eq!(causes(&answer), ["word", "word"]);
+    assert_eq!(causes(&answer), ["perception"]);
 }
 
 #[test]

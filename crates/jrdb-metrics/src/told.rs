@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use jrdb_types::Condition;
 use jrdb_types::answer::{DirectionFound, DistanceFound, PropertyValue, PropertyValues, Reply};
 
 /// The words that a reply tells: of an attribute its most probable value; of a place the words of
@@ -29,6 +30,11 @@ fn value_words(value: &PropertyValue) -> Vec<String> {
         PropertyValue::Category(name) => vec![name.clone()],
         PropertyValue::Distance(found) => distance(found).into_iter().collect(),
         PropertyValue::Direction(found) => direction(found).into_iter().collect(),
+        PropertyValue::Option(Condition::Attribute(value)) => vec![value.to_string()],
+        PropertyValue::Height(_)
+        | PropertyValue::Speed(_)
+        | PropertyValue::Heading(_)
+        | PropertyValue::Option(_) => Vec::new(),
         PropertyValue::Interaction { label, .. } => vec![label.clone()],
         PropertyValue::Around { direction: to, distance: far, .. }
         | PropertyValue::Place { direction: to, distance: far, .. } => {

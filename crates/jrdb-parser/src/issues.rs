@@ -19,6 +19,8 @@ pub(crate) enum Treatment {
     NotUsed,
     /// The word names an entity, so any entity matches.
     ReadAsAnything,
+    /// The word is part of a description.
+    Described,
 }
 
 impl Treatment {
@@ -26,6 +28,7 @@ impl Treatment {
         match self {
             Self::NotUsed => "not used",
             Self::ReadAsAnything => "read as anything",
+            Self::Described => "kept as a description",
         }
     }
 }

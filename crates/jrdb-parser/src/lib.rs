@@ -48,7 +48,39 @@ pub fn parse(text: &str) -> Query {
 pub fn parse_with(text: &str, config: &ParserConfig) -> Query {
     let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
     token::tokenize(text, &mut tokens, &mut issues);
-    Parser::new(text, config, &tokens, issues).question()
+    let viewed = viewed(&mut tokens);
+    let mut parser = Parser::new(text, viewed.as_ref().unwrap_or(config), &tokens, issues);
+    parser.is_viewed = viewed.is_some();
+    parser.question()
+}
+
+/// Reads a question that follows another: "and behind him?", "the other one", "what about the
+/// women?". Pronouns stand for what the question before was about.
+///
+/// ```
+/// use jrdb_parser::{ParserConfig, notation, parse, parse_after};
+/// let before = parse("how many men are sitting?");
+/// let next = parse_after("what about the women?", &ParserConfig::default(), &before);
+/// assert_eq!(notation::write(&next), "count person[female, sitting]");
+/// ```
+#[must_use]
+pub fn parse_after(text: &str, config: &ParserConfig, before: &Query) -> Query {
+    let (mut tokens, mut issues) = (token::Tokens::new(), Vec::new());
+    token::tokenize(text, &mut tokens, &mut issues);
+    let viewed = viewed(&mut tokens);
+    let mut parser = Parser::new(text, viewed.as_ref().unwrap_or(config), &tokens, issues);
+    parser.is_viewed = viewed.is_some();
+    parser.question_after(before)
+}
+
+/// Takes out "from where I stand" and "as the robot sees it", which say whose left is meant.
+fn viewed(tokens: &mut token::Tokens) -> Option<ParserConfig> {
+    let is_view = |token: &token::Token| token.roles.has(lexicon::Role::RobotView);
+    if !tokens.iter().any(is_view) {
+        return None;
+    }
+    tokens.retain(|token| !is_view(token));
+    Some(ParserConfig { viewpoint: OfPerson::Robot })
 }
 
 /// Whether any part of the text was understood: whether a word states what is asked or about what.
@@ -84,6 +116,28 @@ mod tests {
         assert_eq!(read(table, &own), read(table, &robot));
         let owned = "who is on the man's left?";
         assert_eq!(read(owned, &own), read(owned, &robot));
+    }
+
+    #[test]
+    fn a_question_may_follow_another() {
+        let config = ParserConfig::default();
+        let mut before = parse("who is on the bench?");
+        for (text, meaning) in [
+            ("which of them is a woman?", "find person[with: \"bench\", female]"),
+            (
+                "and behind her?",
+                "find person[female, at direction=back: person[with: \"bench\", female]]",
+            ),
+            ("the man in red", "find person[male, (upper=red or lower=red)]"),
+            ("how tall is he?", "which height of person[male, (upper=red or lower=red)]"),
+            (
+                "who else is sitting?",
+                "find person[not is person[male, (upper=red or lower=red)], sitting]",
+            ),
+        ] {
+            before = parse_after(text, &config, &before);
+            assert_eq!(notation::write(&before), meaning, "{text}");
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use jrdb_types::{Condition, Issue, Pattern, Span};
 
 use crate::config::ParserConfig;
 use crate::issues::{IssueLog, Treatment};
-use crate::lexicon::{Entry, LEXICON, Role, Roles, special};
+use crate::lexicon::{Entry, Garment, LEXICON, Role, Roles, special};
 use crate::pattern::truncated_antecedent;
 use crate::token::{Token, Tokens, tokenize};
 use crate::unread::{phrase, phrases};
@@ -48,6 +48,8 @@ pub(crate) struct Parser<'t> {
     pub(crate) text: &'t str,
     pub(crate) config: &'t ParserConfig,
     pub(crate) state: State<'t>,
+    /// What was spoken of in the sentences before: what "it", "the one" and "the other" stand for.
+    pub(crate) discourse: Option<Rc<Pattern>>,
     /// The text may hold a pronoun, so antecedents must be kept.
     pub(crate) has_pronouns: bool,
     /// The text holds "'s", so a noun may name the owner of what follows.
@@ -55,6 +57,10 @@ pub(crate) struct Parser<'t> {
     /// The word where nesting was too deep. A rewind keeps it: the production that stopped there
     /// fails, and the reason must be reported all the same.
     too_deep: Option<usize>,
+    /// The question says from where everything is seen.
+    pub(crate) is_viewed: bool,
+    /// "dressed entirely in" was read: the colour is of everything that is worn.
+    pub(crate) is_wholly: bool,
     issues: IssueLog,
     slots: Vec<Slot>,
 }
@@ -71,6 +77,8 @@ pub(crate) struct State<'t> {
     pub(crate) last_noun: Option<&'static Entry>,
     /// The noun of what the question asks for: what "and the one" resumes.
     pub(crate) head_noun: Option<&'static Entry>,
+    /// The last piece of clothing: what "blue ones" stands for.
+    pub(crate) last_garment: Option<Garment>,
     /// The time of the slot that is being read.
     pub(crate) during: Option<[f64; 2]>,
     /// How many subjects are asked about together: "are the man and the woman sitting".
@@ -108,6 +116,7 @@ impl<'t> Parser<'t> {
             antecedent: None,
             last_noun: None,
             head_noun: None,
+            last_garment: None,
             during: None,
             subjects: None,
             depth: 0,
@@ -123,17 +132,35 @@ impl<'t> Parser<'t> {
             text,
             config,
             state,
+            discourse: None,
             has_pronouns: all.has_any(PRONOUNS) && has_pronouns(tokens),
             has_possessives: all.has(Role::Possessive),
             too_deep: None,
+            is_viewed: false,
+            is_wholly: false,
             issues,
             slots,
         }
     }
 
-    /// Conditions for the words that were not used.
-    pub(crate) fn unread(&self) -> Vec<Condition> {
-        phrases(self.text, self.issues.unused())
+    /// Conditions for the words that were not used: descriptions where they can be looked at.
+    pub(crate) fn unread(&self, all: &[Token]) -> Vec<Condition> {
+        let looks = |span: &Span| {
+            let mut own =
+                all.iter().filter(|token| token.start >= span.start && token.end <= span.end);
+            own.any(|token| token.roles.has(Role::Looks))
+        };
+        phrases(self.text, self.issues.unused(), looks)
+    }
+
+    /// Reports the unknown words of a description.
+    pub(crate) fn report_described(&mut self, first: usize, end: usize) {
+        for at in first..end {
+            if self.is_at(at, Role::Unknown) {
+                let (word, span) = (self.word(at), self.span(at, at + 1));
+                self.issues.push_unknown(word, span, Treatment::Described);
+            }
+        }
     }
 
     /// The slots and the issues, at the end of the question.
@@ -322,7 +349,9 @@ impl<'t> Parser<'t> {
         if treatment == Treatment::NotUsed && is_content {
             self.issues.keep_unused(span);
         }
-        if let Some(what) = &entry.unsupported {
+        if entry.roles.has(Role::Looks) && !entry.roles.has(Role::Unknown) {
+            // Described in the query, which is all that can be said of it.
+        } else if let Some(what) = &entry.unsupported {
             self.issues.push_unsupported(what, span, treatment);
         } else if entry.roles.has(Role::Unknown) {
             self.issues.push_unknown(self.word(at), span, treatment);
@@ -381,6 +410,7 @@ pub(crate) mod tests {
             antecedent,
             last_noun,
             head_noun,
+            last_garment,
             during,
             subjects,
             depth,
@@ -395,7 +425,7 @@ pub(crate) mod tests {
         let lists = (parser.issues.len(), parser.slots.len());
         let words = tokens.len();
         format!(
-            "{words} {at} {antecedent:?} {nouns:?} {during:?} {subjects:?} {depth} {flags:?} {lists:?}"
+            "{words} {at} {antecedent:?} {nouns:?} {last_garment:?} {during:?} {subjects:?} {depth} {flags:?} {lists:?}"
         )
     }
 
@@ -416,6 +446,7 @@ pub(crate) mod tests {
             parser.begin_target(Some(parser.entry()));
             parser.push_slot(Slot { during_s: None, conditions: Vec::new() });
             parser.drop_last();
+            parser.state.last_garment = Some(Garment::Upper);
             parser.state.during = Some([0.0, 1.0]);
             parser.state.subjects = Some(2);
             parser.state.depth += 1;

@@ -52,6 +52,7 @@ fn levels_of(condition: &Condition) -> usize {
             ends.max().unwrap_or(0).max(levels(&related.partner))
         }
         Condition::Compared(compared) => levels(&compared.than),
+        Condition::Nearer(nearer) => levels(&nearer.to).max(levels(&nearer.than)),
         Condition::Is(pattern) => levels(pattern),
         Condition::Not(inner) => levels_of(inner),
         Condition::Any(parts) | Condition::All(parts) => {
@@ -169,6 +170,9 @@ fn fits(condition: &Condition, left: &mut usize) -> bool {
                 && pattern_fits(&related.partner, left)
         }
         Condition::Compared(compared) => pattern_fits(&compared.than, left),
+        Condition::Nearer(nearer) => {
+            pattern_fits(&nearer.to, left) && pattern_fits(&nearer.than, left)
+        }
         Condition::Is(pattern) => pattern_fits(pattern, left),
         Condition::Not(inner) => fits(inner, left),
         Condition::Any(parts) | Condition::All(parts) => parts.iter().all(|part| fits(part, left)),

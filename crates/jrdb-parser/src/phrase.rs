@@ -1,6 +1,6 @@
 //! What the productions pass to each other: noun groups, partners, places.
 
-use jrdb_types::query::{Interval, Place, Quantity, RelationKind, Viewpoint};
+use jrdb_types::query::{Interval, Place, Quantity, RelationKind, Share, Viewpoint};
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Direction, DistanceWord, Pattern};
 
@@ -44,8 +44,10 @@ pub(crate) struct NounGroup {
     pub(crate) rank: Option<(u32, usize)>,
     /// "last": the rank counts from the other end.
     pub(crate) is_last: bool,
-    /// "all", "everyone".
+    /// "all", "everyone", and shares of them.
     pub(crate) is_all: bool,
+    /// "all", "none of", "most".
+    pub(crate) share: Option<Share>,
     /// The position of its first word.
     pub(crate) start: usize,
     /// "those" or "the one" without a noun.
@@ -95,7 +97,8 @@ pub(crate) struct Target {
     pub(crate) pattern: Pattern,
     pub(crate) quantity: Option<Quantity>,
     pub(crate) count: Option<(u32, usize)>,
-    pub(crate) is_all: bool,
+    /// "all", "none of", "most".
+    pub(crate) share: Option<Share>,
     /// Number of conditions from the noun group.
     pub(crate) head: usize,
 }

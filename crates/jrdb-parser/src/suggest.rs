@@ -1,6 +1,8 @@
 //! Suggestions for words that are not in the lexicon.
 
-use crate::lexicon::LEXICON;
+use std::cmp::Ordering;
+
+use crate::lexicon::{LEXICON, is_english};
 
 /// The known word nearest to an unknown one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,9 +35,12 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
     if !(LETTERS_MIN..=LETTERS_MAX).contains(&word.len()) {
         return None;
     }
+    if std::str::from_utf8(&word).is_ok_and(is_english) {
+        return None;
+    }
     let allowed = if word.len() <= 5 { 1 } else { 2 };
     let letters = letters(&word);
-    let mut nearest: Option<(usize, &'static str)> = None;
+    let mut nearest: Option<(Edits, &'static str)> = None;
     let mut ties = 0;
     for known in LEXICON.words() {
         if known.len().abs_diff(word.len()) > allowed || known.len() < LETTERS_MIN - 1 {
@@ -46,21 +51,44 @@ pub(crate) fn suggest(word: &str) -> Option<Suggestion> {
         if differ.count_ones() as usize > 2 * allowed {
             continue;
         }
-        let edits = edits(&word, known.as_bytes());
+        let count = edits(&word, known.as_bytes());
+        let edits = (count, if count == 1 { slip(&word, known.as_bytes()) } else { Slip::Other });
         match nearest {
             Some((least, first)) if least == edits => {
                 ties += usize::from(!LEXICON.is_same(first, known));
                 nearest = Some((least, first.min(known)));
             }
             Some((least, _)) if least < edits => {}
-            _ if edits <= allowed => (nearest, ties) = (Some((edits, *known)), 0),
+            _ if count <= allowed => (nearest, ties) = (Some((edits, *known)), 0),
             _ => {}
         }
     }
     nearest.map(|(edits, known)| match (edits, ties) {
-        (1, 0) => Suggestion::Only(known),
+        ((1, _), 0) => Suggestion::Only(known),
         _ => Suggestion::Perhaps(known),
     })
+}
+
+/// How many edits, and of which kind a single one is.
+type Edits = (usize, Slip);
+
+/// What somebody did who wrote one word instead of another, the likeliest first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Slip {
+    /// Two letters exchanged.
+    Swap,
+    /// A letter left out.
+    Omission,
+    /// A letter too many, or another letter.
+    Other,
+}
+
+fn slip(written: &[u8], meant: &[u8]) -> Slip {
+    match meant.len().cmp(&written.len()) {
+        Ordering::Greater => Slip::Omission,
+        Ordering::Equal if letters(written) == letters(meant) => Slip::Swap,
+        _ => Slip::Other,
+    }
 }
 
 /// The set of letters of a word, one bit each.

@@ -5,7 +5,7 @@ use jrdb_types::{Issue, Span};
 
 use smallvec::SmallVec;
 
-use crate::lexicon::{Entry, LEXICON, Lexicon, Piece, Roles, special, split};
+use crate::lexicon::{Entry, LEXICON, Lexicon, Piece, Role, Roles, special, split};
 use crate::suggest::{Suggestion, suggest};
 
 /// Words of nearly all questions at most: these need no heap allocation.
@@ -41,9 +41,75 @@ pub(crate) fn tokenize(text: &str, tokens: &mut Tokens, issues: &mut Vec<Issue>)
         let (entry, more) = lexicon.longest(first.word, behind);
         let last = if more == 0 { first } else { &behind[more - 1] };
         let entry = lexicon.entry(entry);
-        tokens.push(Token { entry, roles: entry.roles, start: first.start, end: last.end });
         rest = &behind[more..];
+        if entry.roles.has(Role::Noise) && !is_compared(entry, tokens) {
+            continue;
+        }
+        tokens.push(Token { entry, roles: entry.roles, start: first.start, end: last.end });
     }
+}
+
+/// Whether "like" says what something looks like; elsewhere it says nothing.
+fn is_compared(entry: &Entry, before: &[Token]) -> bool {
+    let is_look = |token: &Token| {
+        token.roles.has(Role::Common)
+            || token.roles.has(Role::Looks)
+            || token.entry.object.is_some()
+    };
+    entry.roles.has(Role::Common) && before.last().is_some_and(is_look)
+}
+
+/// Words that are often written as one, or without their apostrophe, and wrong forms of short
+/// words: a closed list.
+const RUN_TOGETHER: [(&str, &[&str]); 42] = [
+    ("meny", &["many"]),
+    ("mnay", &["many"]),
+    ("hwo", &["how"]),
+    ("wearin", &["wearing"]),
+    ("sittin", &["sitting"]),
+    ("standin", &["standing"]),
+    ("walkin", &["walking"]),
+    ("whos", &["who", "is"]),
+    ("wheres", &["where", "is"]),
+    ("whats", &["what", "is"]),
+    ("hows", &["how", "is"]),
+    ("theres", &["there", "is"]),
+    ("thats", &["that", "is"]),
+    ("hes", &["he", "is"]),
+    ("shes", &["she", "is"]),
+    ("theyre", &["they", "are"]),
+    ("youre", &["you", "are"]),
+    ("im", &["i"]),
+    ("lets", &["let", "us"]),
+    ("wasnt", &["wasn't"]),
+    ("werent", &["weren't"]),
+    ("didnt", &["didn't"]),
+    ("cant", &["can't"]),
+    ("nextto", &["next", "to"]),
+    ("infront", &["in", "front"]),
+    ("infrontof", &["in", "front", "of"]),
+    ("closeto", &["close", "to"]),
+    ("nearto", &["near", "to"]),
+    ("leftof", &["left", "of"]),
+    ("rightof", &["right", "of"]),
+    ("howmany", &["how", "many"]),
+    ("howfar", &["how", "far"]),
+    ("alot", &["a", "lot"]),
+    ("wich", &["which"]),
+    ("witch", &["which"]),
+    ("ther", &["there"]),
+    ("thier", &["their"]),
+    ("teh", &["the"]),
+    ("hte", &["the"]),
+    ("adn", &["and"]),
+    ("waht", &["what"]),
+    ("whre", &["where"]),
+];
+
+/// The known words that an unknown one consists of.
+fn run_together(word: &str) -> Option<&'static [&'static str]> {
+    let is_word = |known: &str| known.eq_ignore_ascii_case(word);
+    RUN_TOGETHER.iter().find(|(known, _)| is_word(known)).map(|(_, words)| *words)
 }
 
 /// The pieces of a text with their numbers in the lexicon.
@@ -53,6 +119,12 @@ pub(crate) fn split_known(text: &str, pieces: &mut Pieces, issues: &mut Vec<Issu
     for (mut piece, key) in split(text) {
         if piece.word == special::UNKNOWN {
             piece.word = lexicon.number(key);
+            if piece.word == special::UNKNOWN
+                && let Some(words) = run_together(&text[piece.start..piece.end])
+            {
+                pieces.extend(words.iter().map(|word| Piece { word: lexicon.word(word), ..piece }));
+                continue;
+            }
             if piece.word == special::UNKNOWN {
                 piece.word = respelled(lexicon, text, piece, &mut suggestions, issues);
             }
@@ -80,7 +152,16 @@ fn respelled(
     corrected(word, piece, issues)
 }
 
+/// Whether a word is written as a name: "Anna".
+fn is_name(word: &str) -> bool {
+    let mut letters = word.chars();
+    letters.next().is_some_and(char::is_uppercase) && letters.all(char::is_lowercase)
+}
+
 fn corrected(word: &str, piece: Piece, issues: &mut Vec<Issue>) -> u16 {
+    if piece.start > 0 && is_name(word) {
+        return special::UNKNOWN;
+    }
     let Some(Suggestion::Only(known)) = suggest(word) else { return special::UNKNOWN };
     let span = Span { start: piece.start, end: piece.end };
     let message = format!("unknown word {word:?} read as {known:?}");
@@ -94,7 +175,7 @@ mod tests {
     use jrdb_types::query::Category;
 
     use super::*;
-    use crate::lexicon::{Key, Role};
+    use crate::lexicon::Key;
 
     fn shown(text: &str) -> Vec<&str> {
         let mut tokens = Tokens::new();

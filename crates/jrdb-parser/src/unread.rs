@@ -16,7 +16,11 @@ pub(crate) fn phrase(text: &str, span: Span) -> Condition {
 }
 
 /// A condition for every run of words that were not used; joints between them belong to the run.
-pub(crate) fn phrases(text: &str, mut unused: Vec<Span>) -> Vec<Condition> {
+pub(crate) fn phrases(
+    text: &str,
+    mut unused: Vec<Span>,
+    looks: impl Fn(&Span) -> bool,
+) -> Vec<Condition> {
     unused.sort();
     let mut runs: Vec<Span> = Vec::new();
     for span in unused {
@@ -25,7 +29,11 @@ pub(crate) fn phrases(text: &str, mut unused: Vec<Span>) -> Vec<Condition> {
             _ => runs.push(span),
         }
     }
-    runs.into_iter().map(|span| phrase(text, span)).collect()
+    let condition = |span: Span| match (looks(&span), phrase(text, span)) {
+        (true, Condition::Phrase(words)) => Condition::Looks(words),
+        (_, phrase) => phrase,
+    };
+    runs.into_iter().map(condition).collect()
 }
 
 /// Whether nothing but joints is between two words; overlapping words are one.
@@ -43,7 +51,7 @@ mod tests {
             let start = text.find(word).unwrap();
             Span { start, end: start + word.len() }
         };
-        let found = phrases(text, unused.iter().map(span).collect());
+        let found = phrases(text, unused.iter().map(span).collect(), |_| false);
         let words = |condition| match condition {
             Condition::Phrase(phrase) => phrase.words,
             _ => String::new(),

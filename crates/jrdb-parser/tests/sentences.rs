@@ -63,5 +63,5 @@ fn every_question_means_what_is_written_below_it() {
     let faults: Vec<String> = cases.iter().filter_map(fault).collect();
     println!("{} of {} questions", cases.len() - faults.len(), cases.len());
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    assert!(cases.len() >= 750, "only {} questions", cases.len());
+    assert!(cases.len() >= 2000, "only {} questions", cases.len());
 }

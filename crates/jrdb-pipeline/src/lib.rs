@@ -2,6 +2,7 @@
 
 pub mod baseline;
 mod config;
+mod conversation;
 mod error;
 mod frame;
 pub mod motion;
@@ -16,6 +17,7 @@ pub use jrdb_perception as perception;
 pub use jrdb_types as types;
 
 pub use config::PipelineConfig;
+pub use conversation::Conversation;
 pub use error::Error;
 pub use frame::{CameraImage, Frame};
 pub use pipeline::{Pipeline, PlacedFrame};

@@ -14,7 +14,22 @@ const SHOWN_MAX: usize = 80;
 /// # Errors
 /// [`Error::Query`] for notation that does not fit together, and for a text of which nothing is understood.
 pub fn read_query(text: &str, config: &ParserConfig) -> Result<Query, Error> {
-    let query = read_or_report(text, config);
+    checked(text, read_or_report(text, config))
+}
+
+/// Reads a question that follows another.
+pub(crate) fn read_query_after(
+    text: &str,
+    config: &ParserConfig,
+    before: Option<&Query>,
+) -> Result<Query, Error> {
+    match before.filter(|_| !notation::is_notation(text)) {
+        Some(before) => checked(text, jrdb_parser::parse_after(text, config, before)),
+        None => read_query(text, config),
+    }
+}
+
+fn checked(text: &str, query: Query) -> Result<Query, Error> {
     if notation::is_notation(text) {
         let is_wrong = |issue: &Issue| issue.kind == IssueKind::BadNotation;
         return if query.issues.iter().any(is_wrong) {

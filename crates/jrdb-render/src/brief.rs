@@ -5,6 +5,7 @@ use jrdb_types::{Answer, EntityId};
 
 use crate::check::{self, asked, found_or_unknown, repeats_itself};
 use crate::property;
+use crate::query::command;
 use crate::reply::{headline, reasons};
 
 /// The reply in a line, then one line for each selected candidate with its conditions, at most `limit` of them.
@@ -12,6 +13,8 @@ use crate::reply::{headline, reasons};
 pub fn brief(answer: &Answer, limit: usize) -> Vec<String> {
     let mut lines: Vec<String> = reply(answer).lines().map(Into::into).collect();
     lines.extend(reasons(answer));
+    let told = answer.command.as_ref().filter(|_| answer.status == Status::Answered);
+    lines.extend(told.map(|told| format!("to {}: the action is up to the robot", command(told))));
     if answer.status.is_open() {
         return lines;
     }

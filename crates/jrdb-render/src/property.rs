@@ -1,8 +1,11 @@
 //! Values of properties, in words.
 
-use jrdb_types::answer::{DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues};
+use jrdb_types::answer::{
+    DirectionFound, DistanceFound, HeadingFound, Landmark, PropertyValue, PropertyValues,
+};
 
 use crate::check::attribute;
+use crate::wording;
 
 /// The values in words, one for each; the words of the file where it has no values.
 pub(crate) fn words(of: &PropertyValues) -> Vec<String> {
@@ -18,6 +21,10 @@ pub fn property_value(value: &PropertyValue) -> String {
     match value {
         PropertyValue::Attribute { value, probability } => attribute(*value, *probability),
         PropertyValue::Category(name) => name.clone(),
+        PropertyValue::Height(metres) => format!("{metres:.2} m"),
+        PropertyValue::Speed(speed) => format!("{speed:.1} m/s"),
+        PropertyValue::Heading(found) => heading(*found),
+        PropertyValue::Option(condition) => wording::condition(condition),
         PropertyValue::Distance(found) => distance(found),
         PropertyValue::Direction(found) => direction(found),
         PropertyValue::Interaction { label, partner } => format!("{label}: {}", partner.short()),
@@ -36,6 +43,25 @@ pub fn property_value(value: &PropertyValue) -> String {
 fn beside(landmark: &Landmark) -> String {
     let how = if landmark.is_close { "next to" } else { "near" };
     format!(", {how} {} ({:.1} m)", landmark.id.short(), landmark.metres)
+}
+
+/// Half of the angle within which a heading is towards the robot, or away from it, degrees.
+const TOWARDS_DEG: f64 = 45.0;
+
+/// `towards the robot, forward`, `to the left`: as the robot sees it.
+fn heading(found: HeadingFound) -> String {
+    let robot = match found.off_robot {
+        Some(off) if off <= TOWARDS_DEG => Some("towards the robot"),
+        Some(off) if off >= 180.0 - TOWARDS_DEG => Some("away from the robot"),
+        _ => None,
+    };
+    let way = match found.degrees {
+        d if d.abs() <= 45.0 => "forward",
+        d if d.abs() >= 135.0 => "backward",
+        d if d > 0.0 => "to the left",
+        _ => "to the right",
+    };
+    robot.into_iter().chain([way]).collect::<Vec<_>>().join(", ")
 }
 
 /// `1.2 m, close`.

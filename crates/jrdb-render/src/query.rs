@@ -1,7 +1,7 @@
 //! A whole question, in words.
 
-use jrdb_types::query::{Order, Property, Slot};
-use jrdb_types::{Pattern, Query, Task};
+use jrdb_types::query::{Command, Order, Property, Share, Slot};
+use jrdb_types::{Condition, Pattern, Query, Task};
 
 use crate::wording;
 
@@ -24,8 +24,11 @@ pub fn query(query: &Query) -> String {
     let lines: String = lines.iter().map(|line| format!("\n  {line}")).collect();
     let than = match &query.task {
         Task::CompareCounts { than, .. } => format!("\nthan {}", wording::description(than)),
+        Task::From { partner, .. } => format!("\nfrom {}", wording::pattern(partner)),
         _ => String::new(),
     };
+    let told = query.command.as_ref().map(|told| format!("\nto {}", command(told)));
+    let than = than + &told.unwrap_or_default();
     format!("{}{with}{lines}{than}", task(&query.task, &noun))
 }
 
@@ -39,12 +42,35 @@ fn task(task: &Task, noun: &str) -> String {
         Task::CompareCounts { order: Order::Most, .. } => format!("are there more: {noun}"),
         Task::CompareCounts { order: Order::Least, .. } => format!("are there fewer: {noun}"),
         Task::Where => format!("where is {noun}"),
+        Task::Groups => format!("count the groups of {noun}"),
+        Task::Each { share, asked } => {
+            let share = match share {
+                Share::All => "all",
+                Share::None => "none",
+                Share::Most => "most",
+                Share::Half => "at least half",
+            };
+            format!("are {share} of these {}: {noun}", listed(asked, " and "))
+        }
+        Task::Choice { options } => format!("which of {}: {noun}", listed(options, " or ")),
+        Task::From { property: asked, .. } => format!("tell the {} of {noun}", property(*asked)),
         Task::Which { properties, in_order } => {
             let names: Vec<String> = properties.iter().map(|p| property(*p)).collect();
             let over_time = if *in_order { " over time" } else { "" };
             format!("tell the {}{over_time} of {noun}", names.join(", "))
         }
     }
+}
+
+fn listed(conditions: &[Condition], joint: &str) -> String {
+    conditions.iter().map(wording::condition).collect::<Vec<_>>().join(joint)
+}
+
+/// A command in words: `take this to the kitchen`.
+pub(crate) fn command(command: &Command) -> String {
+    let object = command.object.iter().map(|object| format!(" {object}"));
+    let destination = command.destination.iter().map(|place| format!(" to {place}"));
+    std::iter::once(command.verb.clone()).chain(object).chain(destination).collect()
 }
 
 /// A stretch of a recording with its conditions: `then during 2 to 5 s action sitting`.

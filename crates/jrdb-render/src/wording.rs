@@ -1,7 +1,8 @@
 //! Conditions and patterns of the query algebra, in words.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, RelationKind,
+    Viewpoint,
 };
 use jrdb_types::vocab::{PairWord, Sector};
 use jrdb_types::{
@@ -17,6 +18,12 @@ pub fn condition(condition: &Condition) -> String {
         Condition::GroupSize(quantity) => group(*quantity),
         Condition::Related(related) => relation(related),
         Condition::Compared(compared) => comparison(compared),
+        Condition::Nearer(Nearer { to, than }) => {
+            format!("nearer to {} than to {}", pattern(to), pattern(than))
+        }
+        Condition::Measures(measured) => measures(measured),
+        Condition::Looks(phrase) => format!("looks {:?}", phrase.words),
+        Condition::Id(number) => format!("#{number}"),
         Condition::Phrase(phrase) => format!("{:?}", phrase.words),
         Condition::Is(those) => format!("is {}", pattern(those)),
         Condition::Not(inner) => format!("not {}", part(inner)),
@@ -191,6 +198,19 @@ fn side_of(direction: Direction) -> String {
         d if d == Direction::level(Sector::Front) => "in front of".into(),
         d if d == Direction::level(Sector::Back) => "behind".into(),
         other => format!("{other} of"),
+    }
+}
+
+fn measures(measured: &Measures) -> String {
+    let (name, unit) = match measured.measure {
+        Measure::Speed => ("speed", "m/s"),
+        _ => ("height", "m"),
+    };
+    match (measured.within.min, measured.within.max) {
+        (Some(min), Some(max)) => format!("{name} {min} to {max} {unit}"),
+        (Some(min), None) => format!("{name} at least {min} {unit}"),
+        (None, Some(max)) => format!("{name} at most {max} {unit}"),
+        (None, None) => format!("any {name}"),
     }
 }
 

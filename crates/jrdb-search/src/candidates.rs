@@ -9,7 +9,10 @@ use crate::searcher::Searcher;
 
 /// Whether a question presupposes an answer, so that the best guess is one. Counting does not.
 pub(crate) fn presupposes(task: &Task) -> bool {
-    matches!(task, Task::Find | Task::Where | Task::Which { .. })
+    matches!(
+        task,
+        Task::Find | Task::Where | Task::Which { .. } | Task::Choice { .. } | Task::From { .. }
+    )
 }
 
 /// The searcher that decides which things are meant. If the question does not presuppose an answer, only the most probable

@@ -23,8 +23,14 @@ pub(crate) fn of(
 ) -> Vec<Cause> {
     let mut causes = Causes { searcher, found: BTreeSet::new() };
     causes.pattern(&query.target, Some(perhaps));
-    if let Task::CompareCounts { than, .. } = &query.task {
-        causes.pattern(than, None);
+    match &query.task {
+        Task::CompareCounts { than: other, .. } | Task::From { partner: other, .. } => {
+            causes.pattern(other, None);
+        }
+        Task::Each { asked: conditions, .. } | Task::Choice { options: conditions } => {
+            conditions.iter().for_each(|condition| causes.condition(condition, None));
+        }
+        _ => {}
     }
     let slots = query.slots.iter().flat_map(|slot| &slot.conditions);
     slots.for_each(|condition| causes.condition(condition, Some(perhaps)));
@@ -50,6 +56,11 @@ impl Causes<'_, '_, '_> {
     fn word(&mut self, words: &str, span: Option<Span>) {
         let message = format!("{words:?} was not understood");
         self.found.insert(Cause { kind: CauseKind::Word, message, span });
+    }
+
+    fn looks(&mut self, words: &str, span: Option<Span>) {
+        let message = format!("perception cannot tell whether somebody looks {words:?}");
+        self.found.insert(Cause { kind: CauseKind::Perception, message, span });
     }
 
     /// What is wrong with the files of the frame.
@@ -127,6 +138,14 @@ impl Causes<'_, '_, '_> {
 
     fn condition(&mut self, condition: &Condition, perhaps: Option<&BitSet>) {
         match condition {
+            Condition::Measures(measured) => self.measure(&measured.measure, perhaps),
+            Condition::Nearer(nearer) => {
+                self.places(perhaps);
+                self.pattern(&nearer.to, None);
+                self.pattern(&nearer.than, None);
+            }
+            Condition::Looks(phrase) => self.looks(&phrase.words, phrase.span),
+            Condition::Id(_) => {}
             Condition::Phrase(phrase) => self.word(&phrase.words, phrase.span),
             Condition::Attribute(value) => self.attribute(value.attribute(), perhaps),
             Condition::FromRobot(_) => self.places(perhaps),

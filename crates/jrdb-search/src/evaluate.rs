@@ -1,7 +1,7 @@
 //! Every condition of a pattern on every thing it may mean: truths, probabilities and witnesses, kept for the trace.
 
 use jrdb_graph::BitSet;
-use jrdb_types::query::{Category, Pick};
+use jrdb_types::query::{Category, Measures, Pick};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Condition, Pattern, Related};
 
@@ -9,6 +9,7 @@ use crate::evaluation::{Column, Evaluated, Inner, Kinds, Link, Partner, Verdict}
 use crate::place;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
+use crate::value::within_truth;
 use crate::value::{NOBODY, Truth, Value};
 use crate::{World, attribute, ranked};
 
@@ -21,8 +22,7 @@ impl Searcher<'_, '_> {
 
     /// Evaluates a pattern on some things.
     pub(crate) fn evaluate_on<'q>(&self, pattern: &'q Pattern, kind: BitSet) -> Evaluated<'q> {
-        let columns: Vec<Column<'q>> =
-            pattern.conditions.iter().map(|condition| self.column_of(condition, &kind)).collect();
+        let columns = self.columns_of(pattern, &kind);
         let mut verdicts = vec![Verdict::OTHER_KIND; self.index.size()];
         let mut passed = BitSet::new(self.index.size());
         for number in kind.iter() {
@@ -36,6 +36,25 @@ impl Searcher<'_, '_> {
             self.pick_from(&mut evaluated, pick);
         }
         evaluated
+    }
+
+    /// The conditions of a pattern; how things look is asked last, about those that may match.
+    fn columns_of<'q>(&self, pattern: &'q Pattern, kind: &BitSet) -> Vec<Column<'q>> {
+        let asks = |condition: &Condition| condition.asks_looks();
+        if !pattern.conditions.iter().any(asks) {
+            return pattern.conditions.iter().map(|c| self.column_of(c, kind)).collect();
+        }
+        let mut open = kind.clone();
+        let mut columns: Vec<Option<Column<'q>>> = Vec::new();
+        for condition in &pattern.conditions {
+            let column = (!asks(condition)).then(|| self.column_of(condition, kind));
+            if let Some(column) = &column {
+                open.retain(|number| column.values[number].truth != Truth::No);
+            }
+            columns.push(column);
+        }
+        let each = pattern.conditions.iter().zip(columns);
+        each.map(|(c, column)| column.unwrap_or_else(|| self.column_of(c, &open))).collect()
     }
 
     /// Leaves those that a pick takes for sure. Where nothing matches, or may match, it is made from the best guess.
@@ -125,6 +144,10 @@ impl Searcher<'_, '_> {
         let mut fill = |of: &dyn Fn(usize) -> Value| {
             within.iter().for_each(|number| values[number] = of(number));
         };
+        if let Some(of) = self.described(condition) {
+            fill(&*of);
+            return Column::new(condition, values, Inner::Leaf);
+        }
         let inner = match condition {
             Condition::FromRobot(place) => {
                 fill(&|number| self.robot_place_value(number, place));
@@ -139,10 +162,6 @@ impl Searcher<'_, '_> {
                 let comparison = self.comparison(compared);
                 fill(&|number| Value::certain(comparison.truth(number)));
                 Inner::Comparison(comparison)
-            }
-            Condition::Phrase(_) => {
-                fill(&|_| Value::NOT_UNDERSTOOD);
-                Inner::Leaf
             }
             Condition::Is(pattern) => {
                 let mut those = self.evaluate(pattern);
@@ -176,8 +195,31 @@ impl Searcher<'_, '_> {
                 });
                 Inner::Leaf
             }
+            // Filled already.
+            _ => Inner::Leaf,
         };
         Column::new(condition, values, inner)
+    }
+
+    /// The value of a condition that looks at nothing but the thing itself, apart from attributes.
+    fn described<'s>(
+        &'s self,
+        condition: &'s Condition,
+    ) -> Option<Box<dyn Fn(usize) -> Value + 's>> {
+        Some(match condition {
+            Condition::Measures(Measures { measure, within }) => {
+                let measures = self.measures(measure);
+                Box::new(move |number| Value::certain(within_truth(measures[number], within)))
+            }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                Box::new(move |number| Value::certain(truths[number]))
+            }
+            Condition::Looks(phrase) => Box::new(|number| self.looks(number, &phrase.words)),
+            Condition::Id(id) => Box::new(|number| Value::certain(self.id_truth(number, *id))),
+            Condition::Phrase(_) => Box::new(|_| Value::NOT_UNDERSTOOD),
+            _ => return None,
+        })
     }
 
     fn robot_place_value(&self, number: usize, asked: &jrdb_types::Place) -> Value {

@@ -219,6 +219,10 @@ fn reply(
     let meant = || tracks.iter().filter(|track| selected.contains(track.id));
     match &query.task {
         Task::Find => Reply::Things,
+        // Of a recording these are not told.
+        Task::Each { .. } => Reply::YesNo(None),
+        Task::Groups => Reply::Number(Count::between(0, None)),
+        Task::Choice { .. } | Task::From { .. } => Reply::Properties(Vec::new()),
         Task::Count => Reply::Number(Count::Exact(count)),
         Task::Exists(quantity) => Reply::YesNo(Some(quantity.holds(count))),
         Task::CompareCounts { order, than } => {

@@ -7,12 +7,24 @@ use jrdb_types::EdgeRelation;
 
 use crate::SearchConfig;
 
-/// How many people the group of each has, itself included.
+/// Somebody's group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Membership {
+    /// How many people it has.
+    pub(crate) size: u32,
+    /// Its number among all groups: labelled ones by their label, others by one of their members.
+    pub(crate) group: (bool, u32),
+}
+
+/// The group of each.
 ///
 /// People with a group number are with those of the same number. Of the others those are together who do something with one
 /// another, or are at most [`SearchConfig::close_m`] apart (where the graph has words only, "close"), directly or through
 /// others. Of somebody without a number, a place and an edge nothing is known.
-pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option<u32>> {
+pub(crate) fn memberships(
+    index: &GraphIndex<'_>,
+    config: &SearchConfig,
+) -> Vec<Option<Membership>> {
     let people = index.columns().people();
     let labelled = |number: usize| index.node(number).and_then(|node| node.group);
     let mut counts: BTreeMap<u32, u32> = BTreeMap::new();
@@ -34,8 +46,14 @@ pub(crate) fn sizes(index: &GraphIndex<'_>, config: &SearchConfig) -> Vec<Option
             };
             match labelled(number) {
                 _ if !people.contains(number) => None,
-                Some(group) => counts.get(&group).copied(),
-                None => is_known().then(|| members[roots[number]]),
+                Some(group) => {
+                    let size = counts.get(&group).copied()?;
+                    Some(Membership { size, group: (true, group) })
+                }
+                None => is_known().then(|| {
+                    let root = roots[number];
+                    Membership { size: members[root], group: (false, root as u32) }
+                }),
             }
         })
         .collect()

@@ -93,7 +93,12 @@ impl Missing<'_, '_, '_> {
                 self.measure(&compared.measure);
                 self.partner(&compared.than);
             }
-            Condition::Phrase(_) => {}
+            Condition::Measures(measured) => self.measure(&measured.measure),
+            Condition::Nearer(nearer) => {
+                self.partner(&nearer.to);
+                self.partner(&nearer.than);
+            }
+            Condition::Looks(_) | Condition::Id(_) | Condition::Phrase(_) => {}
             Condition::Is(pattern) => self.pattern(pattern),
             Condition::Not(inner) => self.condition(inner),
             Condition::Any(parts) | Condition::All(parts) => {

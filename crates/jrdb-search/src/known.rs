@@ -10,6 +10,7 @@ use crate::World;
 use crate::evaluation::Partner;
 use crate::searcher::Searcher;
 use crate::value::Truth;
+use crate::value::within_truth;
 
 /// What is known of some things: for whom something holds and for whom it does not. Of all others it is unknown.
 #[derive(Debug, Clone)]
@@ -80,6 +81,16 @@ impl Searcher<'_, '_> {
                 let comparison = self.comparison(compared);
                 split(&|n| comparison.truth(n))
             }
+            Condition::Measures(measured) => {
+                let measures = self.measures(&measured.measure);
+                split(&|n| within_truth(measures[n], &measured.within))
+            }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                split(&|n| truths[n])
+            }
+            Condition::Looks(phrase) => split(&|n| self.looks(n, &phrase.words).truth),
+            Condition::Id(id) => split(&|n| self.id_truth(n, *id)),
             Condition::Is(pattern) => self.known_matching(pattern).within(within),
             Condition::Not(inner) => self.known(inner, within).negated(),
             Condition::Any(parts) => {
@@ -117,7 +128,7 @@ impl Searcher<'_, '_> {
     pub(crate) fn known_matching(&self, pattern: &Pattern) -> Known {
         let kind = self.kind(&pattern.category).into_owned();
         let attributes = pattern.conditions.iter().filter(|c| !c.is_relation());
-        let attributes: Vec<Known> = attributes.map(|c| self.known(c, &kind)).collect();
+        let attributes = self.known_attributes(attributes, &kind);
         let mut yes = self.enough_of(&kind, attributes.iter(), |known| Cow::Borrowed(&known.yes));
         let possible = |known: &Known| Cow::Owned(known.possible(&kind));
         let mut maybe = self.enough_of(&kind, attributes.iter(), possible);
@@ -136,6 +147,21 @@ impl Searcher<'_, '_> {
         let mut no = BitSet::below(kind.size(), kind.size());
         no.subtract(&maybe);
         Known { yes, no }
+    }
+
+    /// What is known of some attributes; how things look is asked last, about those that may match.
+    fn known_attributes<'q>(
+        &self,
+        attributes: impl Iterator<Item = &'q Condition>,
+        kind: &BitSet,
+    ) -> Vec<Known> {
+        let (asked, plain): (Vec<&Condition>, Vec<&Condition>) =
+            attributes.partition(|condition| condition.asks_looks());
+        let mut known: Vec<Known> = plain.iter().map(|c| self.known(c, kind)).collect();
+        let mut open = kind.clone();
+        known.iter().for_each(|known| open.subtract(&known.no));
+        known.extend(asked.iter().map(|c| self.known(c, &open)));
+        known
     }
 
     pub(crate) fn known_related(&self, related: &Related, within: &BitSet) -> Known {

@@ -2,7 +2,7 @@
 
 use jrdb_graph::BitSet;
 use jrdb_types::answer::Unit;
-use jrdb_types::query::{Category, Compared, Measure, Order, Pick};
+use jrdb_types::query::{Category, Compared, Measure, Nearer, Order, Pick};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Attribute, Node, Pattern, Quantity};
 
@@ -102,6 +102,14 @@ impl Searcher<'_, '_> {
         Comparison { measures, than, perhaps, may_be_unseen, is_closed, order }
     }
 
+    /// Whether each thing is nearer to some than to others.
+    pub(crate) fn nearer(&self, nearer: &Nearer) -> Vec<Truth> {
+        let distances = |to: &Pattern| self.measures(&Measure::DistanceTo(Box::new(to.clone())));
+        let (to, than) = (distances(&nearer.to), distances(&nearer.than));
+        let pairs = to.into_iter().zip(than);
+        pairs.map(|(to, than)| Truth::of_known(to.zip(than).map(|(to, than)| to < than))).collect()
+    }
+
     fn nearest_m(&self, number: usize, those: &BitSet) -> Option<f64> {
         let others = those.iter().filter(|&other| other != number);
         others.filter_map(|other| self.apart_m(number, other)).min_by(f64::total_cmp)
@@ -129,17 +137,20 @@ impl Searcher<'_, '_> {
         others_unseen: bool,
     ) -> Known {
         let measures = self.measures(&pick.measure);
+        // A thing is not near itself, nor far from itself.
+        let itself = self.references(&pick.measure);
+        let is_itself = |number: usize| measures[number].is_none() && itself.contains(number);
         let first = pick.rank.saturating_sub(1) as usize;
         let turn = Quantity {
             at_least: first as u32,
             at_most: (first as u32).checked_add(pick.count.saturating_sub(1)),
         };
         Known::split(maybe, |number| {
-            if pick.count == 0 {
+            if pick.count == 0 || is_itself(number) {
                 return Truth::No;
             }
             let (mut sure, mut perhaps) = (0, if others_unseen { UNBOUNDED } else { 0_usize });
-            for other in maybe.iter().filter(|&other| other != number) {
+            for other in maybe.iter().filter(|&other| other != number && !is_itself(other)) {
                 let is_before = is_before(&measures, other, number, pick.order);
                 match is_before.map(|is_before| is_before && yes.contains(other)) {
                     Some(true) => sure += 1,
@@ -150,6 +161,16 @@ impl Searcher<'_, '_> {
             let own = if yes.contains(number) { Truth::Yes } else { Truth::Unknown };
             own.min(Truth::of_count(turn, sure, perhaps))
         })
+    }
+
+    /// The things that distances are measured from.
+    fn references(&self, measure: &Measure) -> BitSet {
+        match measure {
+            Measure::DistanceTo(pattern) if pattern.category != Category::Robot => {
+                self.known_matching(pattern).yes
+            }
+            _ => BitSet::new(self.index.size()),
+        }
     }
 
     /// What a pick takes of those that match, in a closed world; nobody else may match.

@@ -1,26 +1,42 @@
 //! The reply to what was asked: a number, yes or no, values of properties, places.
 
+use std::collections::BTreeSet;
+
 use jrdb_graph::BitSet;
 use jrdb_types::answer::{
-    Count, DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues, Reply,
+    Count, DirectionFound, DistanceFound, HeadingFound, Landmark, PropertyValue, PropertyValues,
+    Reply,
 };
 use jrdb_types::query::{Order, Property};
-use jrdb_types::{AttributeBelief, Node, Query, SpatialRelation, Task};
+use jrdb_types::vocab::MatchPolicy;
+use jrdb_types::{AttributeBelief, Condition, DistanceWord, Node, Query, SpatialRelation, Task};
 
 use crate::candidates::by_sets;
+use crate::known::Known;
 use crate::searcher::Searcher;
+use crate::status::Meant;
 
 /// The reply, given who is meant.
 pub(crate) fn reply(searcher: &Searcher<'_, '_>, query: &Query, selection: &BitSet) -> Reply {
     match &query.task {
-        Task::Find => Reply::Things,
+        Task::Find if query.command.is_none() => Reply::Things,
+        Task::Each { .. } => Reply::YesNo(None),
+        Task::Groups => Reply::Number(groups(searcher, selection)),
+        Task::Choice { options } => Reply::Properties(
+            selection.iter().filter_map(|n| choice(searcher, n, options)).collect(),
+        ),
+        Task::From { property, partner } => {
+            let partners = Meant::by(&searcher.with(MatchPolicy::Strict), partner).sure;
+            let told = selection.iter().filter_map(|n| from(searcher, n, *property, &partners));
+            Reply::Properties(told.collect())
+        }
         Task::Count => Reply::Number(Count::Exact(selection.count())),
         Task::Exists(quantity) => Reply::YesNo(Some(quantity.holds(selection.count()))),
         Task::CompareCounts { order, than } => {
             let others = by_sets(searcher, than).count();
             Reply::YesNo(Some(compare(selection.count(), *order, others)))
         }
-        Task::Where => {
+        Task::Find | Task::Where => {
             Reply::Properties(selection.iter().filter_map(|n| place(searcher, n)).collect())
         }
         Task::Which { properties, .. } => {
@@ -67,8 +83,81 @@ pub(crate) fn property_of(
         Property::PeopleAround => around(searcher, number, Others::People),
         Property::ObjectsAround => around(searcher, number, Others::Objects),
         Property::Category => vec![PropertyValue::Category(node.category.clone())],
+        Property::Height => node.height_m.map(PropertyValue::Height).into_iter().collect(),
+        Property::Speed => {
+            let speed = node.velocity_mps.map(|[x, y]| x.hypot(y));
+            speed.map(PropertyValue::Speed).into_iter().collect()
+        }
+        Property::Facing => heading(node).map(PropertyValue::Heading).into_iter().collect(),
     };
     Some(values_of(node, Some(property), values))
+}
+
+/// Which way somebody faces.
+fn heading(node: &Node) -> Option<HeadingFound> {
+    let heading = node.heading_rad?;
+    let off = |[x, y, _]: [f64; 3]| {
+        let (sine, cosine) = (heading - (-y).atan2(-x)).sin_cos();
+        sine.atan2(cosine).abs().to_degrees()
+    };
+    Some(HeadingFound { degrees: heading.to_degrees(), off_robot: node.center.map(off) })
+}
+
+/// The alternatives that hold of a thing; that none does where none can.
+fn choice(
+    searcher: &Searcher<'_, '_>,
+    number: usize,
+    options: &[Condition],
+) -> Option<PropertyValues> {
+    let node = searcher.index.node(number)?;
+    let mut only = BitSet::new(searcher.index.size());
+    only.insert(number);
+    let strict = searcher.with(MatchPolicy::Strict);
+    let known: Vec<Known> = options.iter().map(|option| strict.known(option, &only)).collect();
+    let held = options.iter().zip(&known).filter(|(_, known)| known.yes.contains(number));
+    let mut values: Vec<PropertyValue> =
+        held.map(|(option, _)| PropertyValue::Option(option.clone())).collect();
+    if values.is_empty() && known.iter().all(|known| known.no.contains(number)) {
+        let any = Condition::Any(options.to_vec());
+        values.push(PropertyValue::Option(Condition::Not(Box::new(any))));
+    }
+    Some(values_of(node, None, values))
+}
+
+/// How far a thing is from others, or in which direction from them.
+fn from(
+    searcher: &Searcher<'_, '_>,
+    number: usize,
+    property: Property,
+    partners: &BitSet,
+) -> Option<PropertyValues> {
+    let node = searcher.index.node(number)?;
+    let place = |other: usize| {
+        let id = searcher.index.id(other)?.clone();
+        let row = searcher.index.outgoing(other).with(number as u32);
+        let edge = searcher.index.spatial(row).next();
+        let (direction, distance) = match property {
+            Property::Direction => (Some(edge.and_then(DirectionFound::of)?), None),
+            _ => {
+                let metres = searcher.apart_m(number, other)?;
+                let word = DistanceWord::of_metres(metres);
+                (None, Some(DistanceFound { word, metres: Some(metres) }))
+            }
+        };
+        Some(PropertyValue::Around { id, direction, distance })
+    };
+    let others = partners.iter().filter(|&other| other != number);
+    Some(values_of(node, Some(property), others.filter_map(place).collect()))
+}
+
+/// How many groups of two or more there are among some people; at least so many, if the group of
+/// one is unknown or perception sees no groups.
+fn groups(searcher: &Searcher<'_, '_>, people: &BitSet) -> Count {
+    let members: Vec<_> = people.iter().map(|number| searcher.membership(number)).collect();
+    let known = members.iter().flatten().filter(|one| one.size > 1).map(|one| one.group);
+    let number = known.collect::<BTreeSet<_>>().len();
+    let is_known = searcher.sees_groups() && members.iter().all(Option::is_some);
+    if is_known { Count::Exact(number) } else { Count::between(0, None) }
 }
 
 fn values_of(

@@ -7,6 +7,7 @@ use jrdb_types::{Answer, Pattern, Query, SceneGraph};
 
 use crate::candidates::{by_sets, candidates, deciding, ids, in_order, presupposes};
 use crate::evaluation::Evaluated;
+use crate::looks::{Blind, Looks};
 use crate::searcher::Searcher;
 use crate::trace::Picked;
 use crate::{SearchConfig, benchmark, frames, issues, ranked, reply, status};
@@ -30,11 +31,23 @@ pub fn search(graph: &SceneGraph, query: &Query, config: &SearchConfig) -> Answe
 /// The same on a graph that is indexed already, for many questions about one frame.
 #[must_use]
 pub fn search_indexed(index: &GraphIndex<'_>, query: &Query, config: &SearchConfig) -> Answer {
+    search_with(index, query, config, &Blind)
+}
+
+/// The same with somebody who can be asked how things look, for the words that no table holds. A
+/// question about moments is answered without.
+#[must_use]
+pub fn search_with(
+    index: &GraphIndex<'_>,
+    query: &Query,
+    config: &SearchConfig,
+    eyes: &dyn Looks,
+) -> Answer {
     if !query.slots.is_empty() {
         return frames::answer(&[index], None, query, config);
     }
     let query = &*benchmark::as_asked(query, config);
-    let searcher = Searcher::new(index, config);
+    let searcher = Searcher::seeing(index, config, eyes);
     let unpicked = Pattern { pick: None, ..query.target.clone() };
     let evaluated = searcher.evaluate_on(&unpicked, candidates(&searcher, &unpicked));
     let matching = chosen(&searcher, query, &evaluated);

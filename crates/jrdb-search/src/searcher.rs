@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
+use std::rc::Rc;
 
 use jrdb_graph::{BitSet, GraphIndex};
 use jrdb_types::object;
@@ -9,8 +10,10 @@ use jrdb_types::query::{Category, Measure};
 use jrdb_types::vocab::MatchPolicy;
 use jrdb_types::{Capabilities, LateralConvention, Node, Pattern, SpatialRelation};
 
+use crate::group::{self, Membership};
+use crate::looks::{Blind, Looks, Seen};
 use crate::observer::{Front, Observer};
-use crate::{SearchConfig, World, group};
+use crate::{SearchConfig, World};
 
 /// What the closed world of the benchmark sees.
 static EVERYTHING: Capabilities = Capabilities::open();
@@ -20,21 +23,33 @@ pub(crate) struct Searcher<'i, 'a> {
     pub(crate) index: &'i GraphIndex<'a>,
     pub(crate) config: SearchConfig,
     pub(crate) sees: &'i Capabilities,
-    group_sizes: OnceCell<Vec<Option<u32>>>,
+    pub(crate) eyes: &'i dyn Looks,
+    pub(crate) seen: Rc<Seen>,
+    groups: OnceCell<Vec<Option<Membership>>>,
 }
 
 impl<'i, 'a> Searcher<'i, 'a> {
     pub(crate) fn new(index: &'i GraphIndex<'a>, config: &SearchConfig) -> Self {
+        Self::seeing(index, config, &Blind)
+    }
+
+    /// The same with somebody who can be asked how things look.
+    pub(crate) fn seeing(
+        index: &'i GraphIndex<'a>,
+        config: &SearchConfig,
+        eyes: &'i dyn Looks,
+    ) -> Self {
         let sees = match config.world {
             World::Closed => &EVERYTHING,
             World::Open => index.capabilities(),
         };
-        Self { index, config: *config, sees, group_sizes: OnceCell::new() }
+        Self { index, config: *config, sees, eyes, seen: Rc::default(), groups: OnceCell::new() }
     }
 
     /// The same graph under another policy.
     pub(crate) fn with(&self, policy: MatchPolicy) -> Self {
-        Self::new(self.index, &self.config.with(policy))
+        let other = Self::seeing(self.index, &self.config.with(policy), self.eyes);
+        Self { seen: Rc::clone(&self.seen), ..other }
     }
 
     pub(crate) fn lateral(&self) -> LateralConvention {
@@ -103,8 +118,13 @@ impl<'i, 'a> Searcher<'i, 'a> {
 
     /// How many people somebody's group has.
     pub(crate) fn group_size(&self, number: usize) -> Option<u32> {
-        let sizes = self.group_sizes.get_or_init(|| group::sizes(self.index, &self.config));
-        sizes.get(number).copied().flatten()
+        self.membership(number).map(|membership| membership.size)
+    }
+
+    /// Somebody's group; none if it is unknown.
+    pub(crate) fn membership(&self, number: usize) -> Option<Membership> {
+        let groups = self.groups.get_or_init(|| group::memberships(self.index, &self.config));
+        groups.get(number).copied().flatten()
     }
 
     /// Whether the graph tells a thing's place in any way, so that it can be said that it is not near something.

@@ -12,8 +12,20 @@ impl Searcher<'_, '_> {
     /// does not see their kind, or the kind is named by words that were not understood.
     pub(crate) fn may_be_unseen(&self, pattern: &Pattern) -> bool {
         let is_wide = matches!(pattern.category, Category::Anything | Category::Object);
-        let is_unnamed = || pattern.conditions.iter().any(|c| matches!(c, Condition::Phrase(_)));
+        let is_unnamed = || {
+            pattern
+                .conditions
+                .iter()
+                .any(|c| matches!(c, Condition::Phrase(_) | Condition::Looks(_)))
+        };
         !self.sees.sees_category(&pattern.category) || (is_wide && is_unnamed())
+    }
+
+    /// Whether perception sees who belongs together: it states groups, or what people do together.
+    pub(crate) fn sees_groups(&self) -> bool {
+        let index = self.index;
+        let is_labelled = |n: usize| index.node(n).is_some_and(|node| node.group.is_some());
+        self.sees.interactions.any(|_| true) || (0..index.node_count()).any(is_labelled)
     }
 
     /// Whether a LiDAR's sweep is missing, so that places without points need not be empty.
@@ -71,6 +83,9 @@ impl Searcher<'_, '_> {
             Property::Attribute(_)
             | Property::Distance
             | Property::Direction
+            | Property::Height
+            | Property::Speed
+            | Property::Facing
             | Property::Category => false,
         }
     }

@@ -141,7 +141,13 @@ fn propose(id: &EntityId, condition: &Condition, check: &Check, found: &mut Vec<
             Measure::FromLeft => add(Number::Row(id.clone()), None, check, found),
             _ => {}
         },
-        Condition::GroupSize(_) | Condition::Phrase(_) | Condition::Is(_) => {}
+        Condition::GroupSize(_)
+        | Condition::Measures(_)
+        | Condition::Nearer(_)
+        | Condition::Looks(_)
+        | Condition::Id(_)
+        | Condition::Phrase(_)
+        | Condition::Is(_) => {}
     }
 }
 

@@ -15,6 +15,7 @@ use crate::known::Known;
 use crate::place;
 use crate::searcher::Searcher;
 use crate::value::Truth;
+use crate::value::within_truth;
 
 /// Numbers that fit into a majority's counter; more conditions than a question can have.
 const COUNTER_BITS: usize = 32;
@@ -67,6 +68,9 @@ impl<'i> Searcher<'i, '_> {
     fn enough(&self, pattern: &Pattern) -> BitSet {
         let kind = self.kind(&pattern.category);
         let attributes = pattern.conditions.iter().filter(|c| !c.is_relation());
+        if pattern.conditions.iter().any(Condition::asks_looks) {
+            return self.known_matching(pattern).yes;
+        }
         self.enough_of(&kind, attributes, |condition| self.yes(condition, &kind))
     }
 
@@ -108,6 +112,16 @@ impl<'i> Searcher<'i, '_> {
                 let comparison = self.comparison(compared);
                 truth(&|n| comparison.truth(n))
             }
+            Condition::Measures(measured) => {
+                let measures = self.measures(&measured.measure);
+                truth(&|n| within_truth(measures[n], &measured.within))
+            }
+            Condition::Nearer(nearer) => {
+                let truths = self.nearer(nearer);
+                truth(&|n| truths[n])
+            }
+            Condition::Looks(phrase) => truth(&|n| self.looks(n, &phrase.words).truth),
+            Condition::Id(id) => truth(&|n| self.id_truth(n, *id)),
             Condition::Is(pattern) => {
                 let mut those = self.surely_matching(pattern);
                 those.intersect(within);
@@ -146,6 +160,11 @@ impl<'i> Searcher<'i, '_> {
     pub(crate) fn place_truth(&self, number: usize, asked: &Place) -> Truth {
         let found = self.index.node(number).and_then(|node| self.seen_by_robot(node));
         found.map_or(Truth::Unknown, |found| self.of_place(place::truth(asked, &found)))
+    }
+
+    /// Whether a thing has a number.
+    pub(crate) fn id_truth(&self, number: usize, asked: u32) -> Truth {
+        Truth::of_known(self.index.id(number).map(|id| id.number == asked))
     }
 
     pub(crate) fn group_truth(&self, number: usize, asked: Quantity) -> Truth {

@@ -2,12 +2,13 @@
 
 use jrdb_graph::BitSet;
 use jrdb_types::answer::{Count, Possible, PropertyValues, Reply, Status};
-use jrdb_types::query::Order;
-use jrdb_types::{Answer, IssueKind, Pattern, Query, Task};
+use jrdb_types::query::{Order, Share};
+use jrdb_types::{Answer, Condition, IssueKind, Pattern, Query, Task};
 
-use crate::candidates::only_nodes;
+use crate::candidates::{only_nodes, presupposes};
 use crate::causes;
 use crate::evaluation::Evaluated;
+use crate::known::Known;
 use crate::probability::of_count;
 use crate::searcher::Searcher;
 use crate::value::{Truth, UNBOUNDED};
@@ -41,6 +42,54 @@ impl Meant {
             (true, _) => Truth::Yes,
             (false, true) => Truth::Unknown,
             (false, false) => Truth::No,
+        }
+    }
+
+    /// Whether a statement holds of all of them, of none, or of most. Of nobody it is not said.
+    fn each(
+        &self,
+        searcher: &Searcher<'_, '_>,
+        share: Share,
+        asked: &[Condition],
+    ) -> (Status, Reply) {
+        let mut all = self.sure.clone();
+        all.unite(&self.perhaps);
+        let asked = Condition::All(asked.to_vec());
+        let known = match share {
+            Share::None => searcher.known(&asked, &all).negated(),
+            _ => searcher.known(&asked, &all),
+        };
+        if all.is_empty() && !self.may_be_unseen {
+            return (Status::Nearest, Reply::YesNo(None));
+        }
+        match self.share(share, &known) {
+            Truth::Unknown => (Status::Unknown, Reply::YesNo(None)),
+            truth => (Status::Answered, Reply::YesNo(Some(truth.holds()))),
+        }
+    }
+
+    fn share(&self, share: Share, known: &Known) -> Truth {
+        let count = |set: &BitSet, of: &BitSet| set.iter().filter(|n| of.contains(*n)).count();
+        let (total, yes, no) =
+            (self.sure.count(), count(&self.sure, &known.yes), count(&self.sure, &known.no));
+        let is_open = self.may_be_unseen || total == 0;
+        let others_agree = self.perhaps.iter().all(|n| known.yes.contains(n));
+        let is_enough = |number: usize| match share {
+            Share::All | Share::None => number == total,
+            Share::Most => 2 * number > total,
+            Share::Half => 2 * number >= total,
+        };
+        let is_strict = matches!(share, Share::All | Share::None);
+        if is_strict && no > 0 {
+            return Truth::No;
+        }
+        if is_open || !others_agree {
+            return Truth::Unknown;
+        }
+        match (is_enough(yes), is_enough(total - no)) {
+            (true, _) => Truth::Yes,
+            (_, false) => Truth::No,
+            _ => Truth::Unknown,
         }
     }
 
@@ -115,7 +164,17 @@ pub(crate) fn judge(
         known => (Status::Answered, Reply::YesNo(Some(known.holds()))),
     };
     match task {
-        Task::Find | Task::Where | Task::Which { .. } => (of_things(bounds), told.clone()),
+        Task::Find | Task::Where | Task::Which { .. } | Task::Choice { .. } | Task::From { .. } => {
+            (of_things(bounds), told.clone())
+        }
+        Task::Groups => match told {
+            Reply::Number(Count::Exact(_)) if bounds.perhaps == 0 => {
+                (Status::Answered, told.clone())
+            }
+            _ => (Status::Unknown, Reply::Number(Count::between(0, None))),
+        },
+        // Decided where the things themselves are known.
+        Task::Each { .. } => (Status::Unknown, Reply::YesNo(None)),
         Task::Count => {
             let is_exact = bounds.perhaps == 0;
             let status = if is_exact { Status::Answered } else { Status::Unknown };
@@ -138,7 +197,10 @@ pub(crate) fn settle(
     }
     let meant = Meant::by(searcher, &query.target);
     let others = |than: &Pattern| Meant::by(searcher, than).bounds();
-    let (status, reply) = judge(&query.task, meant.bounds(), others, &answer.reply);
+    let (status, reply) = match &query.task {
+        Task::Each { share, asked } => meant.each(searcher, *share, asked),
+        task => judge(task, meant.bounds(), others, &answer.reply),
+    };
     answer.status = status;
     answer.reply = reply;
     if status == Status::Answered && !is_told(searcher, query, &answer.reply) {
@@ -161,7 +223,7 @@ fn settle_closed(
     query: &Query,
     evaluated: &Evaluated<'_>,
 ) {
-    let is_things = matches!(query.task, Task::Find | Task::Where | Task::Which { .. });
+    let is_things = presupposes(&query.task);
     let nobody = || Meant::by(searcher, &query.target).sure.is_empty();
     if is_things && !benchmark::pools(&searcher.config) && nobody() {
         answer.status = Status::Nearest;
@@ -191,7 +253,9 @@ fn possible(
 pub(crate) fn is_told(searcher: &Searcher<'_, '_>, query: &Query, reply: &Reply) -> bool {
     let Reply::Properties(told) = reply else { return true };
     match &query.task {
-        Task::Where => told.iter().any(|one| !one.values.is_empty()),
+        Task::Where | Task::Choice { .. } | Task::From { .. } => {
+            told.iter().any(|one| !one.values.is_empty())
+        }
         Task::Which { properties, .. } => properties.iter().all(|&asked| {
             let is_asked = |one: &&PropertyValues| one.property == Some(asked);
             let mut values = told.iter().filter(is_asked);
@@ -227,7 +291,7 @@ fn probability(
             let holds = of_count(each(), quantity.at_least, quantity.at_most);
             Some(if *yes { holds } else { 1.0 - holds })
         }
-        (Task::Find | Task::Where | Task::Which { .. }, _) => best_of(answer),
+        (task, _) if presupposes(task) => best_of(answer),
         _ => None,
     }
 }

@@ -1,6 +1,7 @@
 //! What checking one condition on one thing comes to.
 
 use jrdb_types::Quantity;
+use jrdb_types::query::Interval;
 
 /// Three-valued: of the unknown nothing holds, and neither does its contrary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
@@ -47,6 +48,11 @@ impl Truth {
             Self::Yes => Self::No,
         }
     }
+}
+
+/// Whether a measure lies within bounds.
+pub(crate) fn within_truth(measure: Option<f64>, within: &Interval) -> Truth {
+    Truth::of_known(measure.map(|measure| within.contains(measure)))
 }
 
 /// A number of things that has no bound: of a kind that perception does not see there may be any number.

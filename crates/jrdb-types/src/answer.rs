@@ -5,7 +5,9 @@ mod status;
 mod trace;
 mod why_not;
 
-pub use found::{DirectionFound, DistanceFound, Landmark, PropertyValue, PropertyValues};
+pub use found::{
+    DirectionFound, DistanceFound, HeadingFound, Landmark, PropertyValue, PropertyValues,
+};
 pub use status::{Cause, CauseKind, Count, Possible, Status};
 pub use trace::{CandidateTrace, Check, Criterion, Finding, Measured, Partner, Unit};
 pub use why_not::{Reason, WhyNot};
@@ -16,7 +18,7 @@ use crate::artefact::Payload;
 use crate::geometry::PixelBox;
 use crate::id::{EntityId, FrameId};
 use crate::issue::Issue;
-use crate::query::{Query, Task};
+use crate::query::{Command, Query, Task};
 use crate::vocab::{LateralConvention, MatchPolicy};
 
 /// A candidate with its place in the ranking.
@@ -119,6 +121,9 @@ pub struct Answer {
     pub question_id: Option<String>,
     /// What was asked.
     pub task: Task,
+    /// What is to be done with the things meant, which is up to the robot; absent where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Command>,
     /// How many of the asked attributes were demanded.
     pub policy: MatchPolicy,
     /// Which side "left" named.
@@ -168,6 +173,7 @@ impl Answer {
             question: query.text.clone(),
             question_id: None,
             task: query.task.clone(),
+            command: query.command.clone(),
             policy,
             lateral,
             status: Status::Answered,
@@ -193,5 +199,5 @@ impl Answer {
 
 impl Payload for Answer {
     const SCHEMA: &'static str = "jrdb.answer";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 }

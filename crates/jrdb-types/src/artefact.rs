@@ -30,7 +30,7 @@ pub struct Producer {
 /// use jrdb_types::{Artefact, Query};
 /// let artefact = Artefact::new(serde_json::json!({}), Query::default());
 /// let text = artefact.to_json();
-/// assert!(text.starts_with("{\n  \"schema\": \"jrdb.query\",\n  \"schema_version\": 3"));
+/// assert!(text.starts_with("{\n  \"schema\": \"jrdb.query\",\n  \"schema_version\": 4"));
 /// assert_eq!(Artefact::<Query>::from_json(&text).unwrap(), artefact);
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -149,12 +149,12 @@ mod tests {
     #[test]
     fn another_version_is_named_before_the_data_are_read() {
         let found = error(&text("jrdb.query", 99, "[]"));
-        assert_eq!(found, "expected jrdb.query version 3, found version 99");
+        assert_eq!(found, "expected jrdb.query version 4, found version 99");
     }
 
     #[test]
     fn wrong_data_are_malformed() {
-        assert_eq!(error(&text("jrdb.query", 3, "[]")), "not a well-formed jrdb.query artefact");
+        assert_eq!(error(&text("jrdb.query", 4, "[]")), "not a well-formed jrdb.query artefact");
         assert_eq!(error("{"), "not a well-formed jrdb.query artefact");
     }
 

@@ -1,9 +1,17 @@
 //! What the parser hands on: a question as an algebra of conditions on things and on their relations.
 
+mod command;
+mod interval;
+mod measured;
 mod phrase;
+mod quantity;
 mod serial;
 
+pub use command::Command;
+pub use interval::Interval;
+pub use measured::{Measures, Nearer};
 pub use phrase::Phrase;
+pub use quantity::{Quantity, Share};
 
 use serde::{Deserialize, Serialize};
 
@@ -41,49 +49,27 @@ pub enum Task {
     },
     /// Where are they: a place in words and metres.
     Where,
-}
-
-/// How many things there must be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Quantity {
-    /// At least so many.
-    pub at_least: u32,
-    /// At most so many; no limit when absent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub at_most: Option<u32>,
-}
-
-impl Quantity {
-    /// At least one: "a", "some", "any".
-    pub const SOME: Self = Self { at_least: 1, at_most: None };
-    /// None at all: "no", "nobody".
-    pub const NONE: Self = Self { at_least: 0, at_most: Some(0) };
-
-    /// This many, no more and no fewer.
-    #[must_use]
-    pub const fn exactly(number: u32) -> Self {
-        Self { at_least: number, at_most: Some(number) }
-    }
-
-    /// This many or more.
-    #[must_use]
-    pub const fn at_least(number: u32) -> Self {
-        Self { at_least: number, at_most: None }
-    }
-
-    /// Whether a number is as asked.
-    #[must_use]
-    pub fn holds(self, number: usize) -> bool {
-        let number = u32::try_from(number).unwrap_or(u32::MAX);
-        number >= self.at_least && self.at_most.is_none_or(|most| number <= most)
-    }
-}
-
-impl Default for Quantity {
-    fn default() -> Self {
-        Self::SOME
-    }
+    /// Does what is asked hold of all of them, of none, of most: yes or no.
+    Each {
+        /// Of how many.
+        share: Share,
+        /// What is asked of each.
+        asked: Vec<Condition>,
+    },
+    /// Which of these alternatives holds of them.
+    Choice {
+        /// The alternatives.
+        options: Vec<Condition>,
+    },
+    /// Where are they from another thing: how far, or in which direction.
+    From {
+        /// The distance or the direction.
+        property: Property,
+        /// The other thing.
+        partner: Box<Pattern>,
+    },
+    /// How many groups do they form: a number. A person alone forms none.
+    Groups,
 }
 
 fn is_some_quantity(quantity: &Quantity) -> bool {
@@ -109,6 +95,12 @@ pub enum Property {
     ObjectsAround,
     /// What kind of thing it is.
     Category,
+    /// How tall it is, metres.
+    Height,
+    /// How fast it moves over the ground, metres per second.
+    Speed,
+    /// Which way it faces, in words from where the robot is.
+    Facing,
     /// The value of an attribute.
     #[cfg_attr(feature = "schema", schemars(untagged))]
     Attribute(Attribute),
@@ -130,26 +122,6 @@ pub enum Category {
     Class(String),
     /// The robot itself: at the origin of the base frame, facing along x. Only partners are robots.
     Robot,
-}
-
-/// A stretch of numbers, both ends included; an absent end is open.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Interval {
-    /// Least value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub min: Option<f64>,
-    /// Greatest value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub max: Option<f64>,
-}
-
-impl Interval {
-    /// Whether a value lies in it.
-    #[must_use]
-    pub fn contains(&self, value: f64) -> bool {
-        self.min.is_none_or(|min| value >= min) && self.max.is_none_or(|max| value <= max)
-    }
 }
 
 /// One thing that can be said of a place. Several make several conditions.
@@ -291,6 +263,15 @@ pub enum Condition {
     Related(Related),
     /// More or less of something than others.
     Compared(Compared),
+    /// It is nearer to one thing than to another.
+    Nearer(Nearer),
+    /// A measure of it within bounds.
+    Measures(Measures),
+    /// How it looks, or what it wears, holds or does, in words that no table holds. Perception that
+    /// can be asked decides; to any other it is unknown.
+    Looks(Phrase),
+    /// It has this number: "#4".
+    Id(u32),
     /// What these words say of it. They were not understood, so it is unknown whether it holds.
     Phrase(Phrase),
     /// It is one of these.
@@ -326,8 +307,19 @@ impl Condition {
     #[must_use]
     pub fn is_relation(&self) -> bool {
         match self {
-            Self::Related(_) | Self::Compared(_) | Self::Is(_) => true,
+            Self::Related(_) | Self::Compared(_) | Self::Nearer(_) | Self::Is(_) => true,
             Self::Not(_) | Self::Any(_) | Self::All(_) => self.has_relations(),
+            _ => false,
+        }
+    }
+
+    /// Whether it asks how something looks, itself or in a part, but not of other things.
+    #[must_use]
+    pub fn asks_looks(&self) -> bool {
+        match self {
+            Self::Looks(_) => true,
+            Self::Not(inner) => inner.asks_looks(),
+            Self::Any(parts) | Self::All(parts) => parts.iter().any(Self::asks_looks),
             _ => false,
         }
     }
@@ -386,6 +378,9 @@ pub struct Query {
     pub task: Task,
     /// Of which things.
     pub target: Pattern,
+    /// What is to be done with the things found; absent where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Command>,
     /// What the target does when, one after the other; empty where no time is spoken of.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub slots: Vec<Slot>,
@@ -396,5 +391,5 @@ pub struct Query {
 
 impl Payload for Query {
     const SCHEMA: &'static str = "jrdb.query";
-    const VERSION: u32 = 3;
+    const VERSION: u32 = 4;
 }

@@ -141,7 +141,8 @@ impl Parser<'_> {
     /// Consumes a word that no predicate begins with; false where an outer clause may use it.
     fn stray_word(&mut self, clause: &ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
-        if self.roles().has_any(GLUE) || is_top && self.is(Role::Located) {
+        let is_both = self.word(self.state.at).eq_ignore_ascii_case("both");
+        if is_both || self.roles().has_any(GLUE) || is_top && self.is(Role::Located) {
             self.bump();
             return true;
         }
@@ -187,7 +188,13 @@ impl Parser<'_> {
     /// taller, the man or the woman".
     fn comma(&mut self, pattern: &mut Pattern, clause: &mut ClauseState) -> bool {
         let is_top = clause.scope == Scope::Top;
-        let is_list = is_top && (!clause.is_clause || pattern.pick.is_some());
+        let is_bare = pattern.category == Category::Person
+            && self.is_bare_thing_at(self.state.at + 1)
+            && !(self.state.at..self.state.tokens.len())
+                .any(|at| self.roles_at(at).has_any(Roles::of(&[Role::And, Role::Or])));
+        let next = self.next_not_in(self.state.at + 1, Roles::of(&[Role::Color, Role::Shade]));
+        let is_bare = is_bare || next > self.state.at + 1 && self.is_at(next, Role::Garment);
+        let is_list = is_top && !is_bare && (!clause.is_clause || pattern.pick.is_some());
         if is_list && self.is_noun_group_next() && !self.is_next_located_by_his() {
             return false;
         }

@@ -6,14 +6,20 @@ use jrdb_types::query::Category;
 use jrdb_types::vocab::Color;
 use jrdb_types::{AttributeValue, Condition, Pattern};
 
-use crate::grammar::noun::BEFORE_NOUN;
 use crate::lexicon::{Garment, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{all_of, any_of, join_alternative, split_from};
 
 /// What may stand before clothes.
-pub(crate) const CLOTHES_START: Roles =
-    Roles::of(&[Role::At, Role::Interaction, Role::With, Role::Has, Role::Without]);
+pub(crate) const CLOTHES_START: Roles = Roles::of(&[
+    Role::At,
+    Role::Interaction,
+    Role::With,
+    Role::Has,
+    Role::Without,
+    Role::Color,
+    Role::Wholly,
+]);
 
 /// Words without meaning before a colour.
 const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
@@ -21,39 +27,89 @@ const ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His]);
 /// What may stand between colours, and between clothes.
 const JOINTS: Roles = Roles::of(&[Role::Comma, Role::And, Role::Or, Role::Slash]);
 
-/// Unknown words that may stand between an article, a colour and a piece of clothing.
-const UNKNOWN_MAX: usize = 2;
+/// Words that may stand between an article, a colour and a piece of clothing.
+const BETWEEN: Roles = Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common, Role::Looks]);
 
-/// Whether a piece of clothing must be named behind its colour.
+/// How many of them.
+const BETWEEN_MAX: usize = 2;
+
+/// What is said before clothes.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Naming {
-    Required,
-    Optional,
+enum Lead {
+    /// "wearing": anything may follow.
+    Wearing,
+    /// "in": clothes or a bare colour.
+    In,
+    /// "with", "has": things may follow that are not worn.
+    Having,
+    /// Nothing: a colour and a piece of clothing.
+    Bare,
 }
 
 impl Parser<'_> {
-    /// Colours of the subject's clothes. Colours of anything else are left to other productions.
+    /// Clothes of the subject. Colours of anything else are left to other productions.
     pub(crate) fn clothes(&mut self, pattern: &mut Pattern) -> bool {
-        let is_worn = self.entry().object.as_deref() == Some("wearing");
-        let is_in = self.is(Role::At) && self.word(self.state.at).eq_ignore_ascii_case("in");
-        let is_had = self.roles().has_any(Roles::of(&[Role::With, Role::Has, Role::Without]));
-        if !is_worn && !is_in && !is_had {
-            return false;
-        }
+        let Some(lead) = self.clothes_lead() else { return false };
         let (checkpoint, start) = (self.checkpoint(), pattern.conditions.len());
         let is_without = self.is(Role::Without);
-        self.bump();
-        // "In red" and "wearing red" are about clothes, "with red" is not.
-        let naming = if is_had { Naming::Required } else { Naming::Optional };
-        if !self.worn_thing(pattern) && !self.garment(pattern, naming) {
+        self.is_wholly = lead == Lead::Wearing && self.is(Role::Wholly);
+        if lead != Lead::Bare {
+            self.bump();
+            self.skip_while(Roles::of(&[Role::Filler]));
+        }
+        if !self.one_worn(pattern, lead) {
             self.rewind(checkpoint);
             return false;
         }
-        while self.roles().has_any(JOINTS) {
+        self.more_worn(pattern, start, lead);
+        if is_without && pattern.conditions.len() > start {
+            let worn = all_of(split_from(&mut pattern.conditions, start));
+            pattern.conditions.push(Condition::Not(Box::new(worn)));
+        }
+        true
+    }
+
+    /// "hat", "glasses" behind a noun, in telegram style.
+    pub(crate) fn bare_worn(&mut self, pattern: &mut Pattern) -> bool {
+        self.worn_thing(pattern) || self.described(pattern)
+    }
+
+    fn clothes_lead(&self) -> Option<Lead> {
+        let is_in = || {
+            let word = self.word(self.state.at);
+            ["in", "inside"].iter().any(|lead| word.eq_ignore_ascii_case(lead))
+        };
+        if self.entry().object.as_deref() == Some("wearing") {
+            Some(Lead::Wearing)
+        } else if self.is(Role::At) && is_in() {
+            Some(Lead::In)
+        } else if self.roles().has_any(Roles::of(&[Role::With, Role::Has, Role::Without])) {
+            Some(Lead::Having)
+        } else if self.roles().has_any(Roles::of(&[Role::Color, Role::Wholly])) {
+            Some(Lead::Bare)
+        } else {
+            None
+        }
+    }
+
+    /// ", a white hat and jeans" behind clothes.
+    fn more_worn(&mut self, pattern: &mut Pattern, start: usize, lead: Lead) {
+        while self.roles().has_any(JOINTS) || self.is(Role::With) && lead != Lead::Having {
             let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
             let is_or = self.is(Role::Or);
             self.skip_while(JOINTS);
-            if !self.worn_thing(pattern) && !self.garment(pattern, Naming::Required) {
+            let next = if self.clothes_lead().is_some_and(|lead| lead != Lead::Bare) {
+                self.bump();
+                Lead::Having
+            } else if lead == Lead::Having {
+                Lead::Having
+            } else {
+                Lead::Bare
+            };
+            let found = self.one_worn(pattern, next)
+                || next == Lead::Bare && self.is_worn_alone() && self.described(pattern);
+            let found = found || lead == Lead::Having && self.one_more_thing(pattern);
+            if !found {
                 self.rewind(checkpoint);
                 break;
             }
@@ -61,11 +117,46 @@ impl Parser<'_> {
                 join_alternative(&mut pattern.conditions, length);
             }
         }
-        if is_without && pattern.conditions.len() > start {
-            let worn = all_of(split_from(&mut pattern.conditions, start));
-            pattern.conditions.push(Condition::Not(Box::new(worn)));
+    }
+
+    /// "a bicycle" behind "with a helmet and".
+    fn one_more_thing(&mut self, pattern: &mut Pattern) -> bool {
+        let noun = self.noun_at(self.next_not_in(self.state.at, ARTICLES));
+        let is_thing = |at: usize| matches!(self.entry_at(at).category, Some(Category::Class(_)));
+        let one = if noun.is_some_and(is_thing) { self.one_possession(pattern) } else { None };
+        let found = one.is_some();
+        pattern.conditions.extend(one);
+        found
+    }
+
+    /// Whether only something that is worn is named next: "gloves" behind "a helmet and".
+    fn is_worn_alone(&self) -> bool {
+        let next = self.next_not_in(self.state.at, ARTICLES.and(BETWEEN));
+        self.is_at(next, Role::Garment)
+    }
+
+    /// A worn thing, a garment, or the description of either.
+    fn one_worn(&mut self, pattern: &mut Pattern, lead: Lead) -> bool {
+        if !self.is(Role::No) || self.is(Role::Noun) {
+            return self.one_item(pattern, lead);
         }
+        let (start, length) = (self.state.at, pattern.conditions.len());
+        self.bump();
+        if !self.one_item(pattern, lead) {
+            self.state.at = start;
+            return false;
+        }
+        let worn = all_of(split_from(&mut pattern.conditions, length));
+        pattern.conditions.push(Condition::Not(Box::new(worn)));
         true
+    }
+
+    fn one_item(&mut self, pattern: &mut Pattern, lead: Lead) -> bool {
+        self.worn_thing(pattern)
+            || self.garment(pattern, lead)
+            || lead != Lead::Bare && self.described(pattern)
+            || lead == Lead::Wearing && self.worn_words(pattern)
+            || lead == Lead::Having && self.had_words(pattern)
     }
 
     /// "shirt is red" behind "whose".
@@ -79,108 +170,147 @@ impl Parser<'_> {
             self.rewind(checkpoint);
             return false;
         };
-        self.report_garment(garment, at, at);
-        let worn: Vec<Condition> = colors.into_iter().flat_map(|c| worn(garment, c)).collect();
-        if !worn.is_empty() {
-            let worn = any_of(worn);
-            pattern.conditions.push(if is_not { Condition::Not(Box::new(worn)) } else { worn });
-        }
+        let worn = self.worn_in(garment, &colors, at, self.state.at);
+        pattern.conditions.push(if is_not { Condition::Not(Box::new(worn)) } else { worn });
         true
     }
 
-    /// Skips and reports "black" of "the black car", which is not a race.
-    pub(crate) fn color_of_object(&mut self) -> bool {
-        if !self.is(Role::Color) || !self.is(Role::Implies) {
-            return false;
-        }
-        let next = self.next_not_in(self.state.at + 1, BEFORE_NOUN);
-        let is_person =
-            |category: &Category| matches!(category, Category::Person | Category::Anything);
-        if self.entry_at(next).category.as_ref().is_none_or(is_person) {
-            return false;
-        }
-        let message = "colours of things are not known here, not used".into();
-        self.report_unread(IssueKind::NotInGraph, self.state.at, self.state.at + 1, message);
-        self.bump();
-        true
-    }
-
-    /// A worn thing that is an attribute of its wearer. Its colour is reported and not used.
+    /// A worn thing that is an attribute of its wearer. Its colour is described.
     fn worn_thing(&mut self, pattern: &mut Pattern) -> bool {
-        let start = self.state.at;
-        let named = self.next_not_in(start, ARTICLES);
-        if !self.roles_at(named).has_any(Roles::of(&[Role::Worn, Role::Color])) {
+        let start = self.next_not_in(self.state.at, ARTICLES);
+        let named = self.next_not_in(start, BETWEEN.and(Roles::of(&[Role::Color, Role::Shade])));
+        let Some(worn) = self.entry_at(named).worn.clone() else { return false };
+        if named > start + BETWEEN_MAX + 1 {
             return false;
         }
-        let checkpoint = self.checkpoint();
+        let at = self.state.at;
+        self.state.at = named + 1;
+        self.eat(Role::On);
+        pattern.conditions.push(*worn);
+        if named > start {
+            let end = self.state.at;
+            self.state.at = at;
+            self.push_looks(pattern, start, named + 1);
+            self.state.at = end;
+        }
+        true
+    }
+
+    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone behind "in" and
+    /// "wearing".
+    fn garment(&mut self, pattern: &mut Pattern, lead: Lead) -> bool {
+        let (checkpoint, start) = (self.checkpoint(), self.state.at);
+        let is_something = self.eat(Role::Something);
+        let mut is_wholly = self.wholly() || self.is_wholly;
         self.skip_while(ARTICLES);
-        let (colors, _) = self.colors();
-        let Some(worn) = self.entry().worn.clone() else {
+        let has_article = self.state.at > start && !is_wholly && !is_something;
+        let before = self.behind_some(Self::is_color_at);
+        let Some(before) = before else {
             self.rewind(checkpoint);
             return false;
         };
-        if !colors.is_empty() {
-            let message = format!(
-                "the colour of \"{}\" is not known here, not used",
-                self.word(self.state.at)
-            );
-            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
-        }
-        self.bump();
-        pattern.conditions.push(*worn);
-        true
-    }
-
-    /// "a red or white shirt", "a black leather jacket"; "dark blue" alone where naming is
-    /// optional.
-    fn garment(&mut self, pattern: &mut Pattern, naming: Naming) -> bool {
-        let (checkpoint, start) = (self.checkpoint(), self.state.at);
-        self.skip_while(ARTICLES);
-        let is_bare = self.state.at == start && naming == Naming::Optional;
-        let is_colored = self.skip_unknown_before(Role::Color);
+        let described = self.state.at;
+        self.state.at = before;
         let (colors, is_and) = self.colors();
-        let is_named = is_colored && self.skip_unknown_before(Role::Garment);
-        let garment = self.entry().garment.filter(|_| is_named);
-        if !is_colored || garment.is_none() && (!is_bare || self.is_something_else()) {
+        self.eat(Role::Coloured);
+        is_wholly |= self.is(Role::Wholly) && !self.is(Role::All) && self.wholly();
+        let named = self
+            .behind_some(|parser, at| parser.is_at(at, Role::Garment))
+            .filter(|_| !colors.is_empty());
+        let anaphor =
+            self.is(Role::One) && !self.is(Role::The) && self.state.last_garment.is_some();
+        let garment = match named {
+            Some(at) => self.entry_at(at).garment,
+            None if anaphor => self.state.last_garment,
+            None => None,
+        };
+        let is_bare =
+            is_wholly || is_something || !has_article && matches!(lead, Lead::Wearing | Lead::In);
+        let is_bare =
+            is_bare && (is_wholly && !self.is(Role::Garment) || !self.is_something_else());
+        if colors.is_empty() || garment.is_none() && !is_bare {
             self.rewind(checkpoint);
             return false;
         }
-        if let Some(garment) = garment {
-            self.report_garment(garment, start, self.state.at);
-            self.bump();
+        let first = if described < before { described } else { before };
+        let Some(garment) = garment else {
+            let colors: Vec<_> = colors.into_iter().collect();
+            self.bare_colors(pattern, &colors, is_and, is_wholly);
+            self.eat(Role::On);
+            return true;
+        };
+        let at = named.unwrap_or(self.state.at);
+        self.state.at = at + 1;
+        self.eat(Role::On);
+        self.state.last_garment = Some(garment);
+        if garment == Garment::Other
+            || described < before
+            || named.is_some_and(|at| self.is_at(at.wrapping_sub(1), Role::Looks))
+        {
+            let end = self.state.at;
+            if garment != Garment::Other {
+                let worn = self.worn_in(garment, &colors, at, at + 1);
+                pattern.conditions.push(worn);
+            }
+            self.push_looks(pattern, first, at + 1);
+            self.state.at = end;
+            return true;
         }
-        let worn = colors.into_iter().map(|color| worn(garment.unwrap_or(Garment::Any), color));
-        if is_and && garment.is_none() {
-            pattern.conditions.extend(worn.map(any_of));
-        } else {
-            let worn: Vec<Condition> = worn.flatten().collect();
-            pattern.conditions.extend((!worn.is_empty()).then(|| any_of(worn)));
-        }
+        let worn = self.worn_in(garment, &colors, at, at + 1);
+        pattern.conditions.push(worn);
         true
     }
 
-    /// Consumes and reports a few unknown words before one of a role; false if there is no such
-    /// word.
-    fn skip_unknown_before(&mut self, role: Role) -> bool {
-        let found = (self.state.at..=self.state.at + UNKNOWN_MAX).find(|at| self.is_at(*at, role));
-        let Some(found) = found else { return false };
-        let are_unknown = (self.state.at..found).all(|at| {
-            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Unsupported, Role::Common]))
-        });
-        while are_unknown && self.state.at < found {
-            self.report_unused();
+    /// "all" or "entirely" before a colour.
+    fn wholly(&mut self) -> bool {
+        let found = self.is(Role::Wholly) && !self.is_at(self.state.at + 1, Role::The);
+        if found {
+            self.skip_while(Roles::of(&[Role::Wholly, Role::At]));
         }
-        are_unknown
+        found
     }
 
-    /// Colours with joints between them, and whether one of the joints is "and".
-    fn colors(&mut self) -> (Vec<Color>, bool) {
+    /// "in red", "all in black": colours of whatever is worn.
+    fn bare_colors(
+        &mut self,
+        pattern: &mut Pattern,
+        colors: &[Color],
+        is_and: bool,
+        is_wholly: bool,
+    ) {
+        let each = |color: &Color| worn(Garment::Any, *color);
+        if is_wholly && colors.len() == 1 {
+            pattern.conditions.extend(colors.iter().flat_map(each));
+        } else if is_and {
+            pattern.conditions.extend(colors.iter().map(each).map(any_of));
+        } else {
+            pattern.conditions.push(any_of(colors.iter().flat_map(each).collect()));
+        }
+    }
+
+    /// The position of a fitting word behind a few words that may stand before it.
+    fn behind_some(&self, fits: impl Fn(&Self, usize) -> bool) -> Option<usize> {
+        (self.state.at..=self.state.at + BETWEEN_MAX)
+            .take_while(|at| *at == self.state.at || self.roles_at(at - 1).has_any(BETWEEN))
+            .find(|at| fits(self, *at))
+    }
+
+    /// Colours with joints between them, and whether one of the joints is "and". Shades are read
+    /// as the colours that they belong to, and reported.
+    pub(crate) fn colors(&mut self) -> (Vec<Color>, bool) {
         let (mut colors, mut is_and) = (Vec::new(), false);
-        while let Some(color) = self.entry().color {
+        loop {
+            let start = self.state.at;
+            self.state.at = self.next_color();
+            let Some(color) = self.entry().color else {
+                self.state.at = start;
+                break;
+            };
+            self.report_shade(start, color);
             colors.push(color);
             self.bump();
             let next = self.next_not_in(self.state.at, JOINTS);
-            if !self.is_at(next, Role::Color) {
+            if next > self.state.at + 1 || !self.is_color_at(next) {
                 break;
             }
             is_and |= self.is(Role::And);
@@ -189,33 +319,66 @@ impl Parser<'_> {
         (colors, is_and)
     }
 
-    /// Whether the colours belong to a noun behind them that is not clothing.
-    fn is_something_else(&self) -> bool {
-        self.roles().has_any(Roles::of(&[Role::Noun, Role::One, Role::Unknown, Role::Unsupported]))
+    /// The position behind "dark" and "light".
+    fn next_color(&self) -> usize {
+        let mut at = self.state.at;
+        while self.is_at(at, Role::Shade) && !self.is_at(at, Role::Color) {
+            at += 1;
+        }
+        let is_shade = self.is_at(at, Role::Shade) && self.is_at(at + 1, Role::Color);
+        at + usize::from(is_shade)
     }
 
-    /// Reports how a piece of clothing is read, since its kind is not checked. The word at `at`
-    /// names it; its description begins at `start`.
-    fn report_garment(&mut self, garment: Garment, start: usize, at: usize) {
+    fn is_color_at(&self, at: usize) -> bool {
+        let shade = self.is_at(at, Role::Shade) && self.is_at(at + 1, Role::Color);
+        self.is_at(at, Role::Color) || shade
+    }
+
+    fn report_shade(&mut self, start: usize, color: Color) {
+        let end = self.state.at + 1;
+        if end > start + 1 || self.is(Role::Shade) {
+            let span = self.span(start, end);
+            let words = &self.text[span.start..span.end];
+            let message = format!("{words:?} read as {color}");
+            self.report(IssueKind::Ambiguous, start, end, message);
+        }
+    }
+
+    /// Whether the colours belong to a noun behind them that is not clothing.
+    fn is_something_else(&self) -> bool {
+        self.roles().has_any(Roles::of(&[
+            Role::Noun,
+            Role::One,
+            Role::Unknown,
+            Role::Unsupported,
+            Role::Looks,
+            Role::Garment,
+        ]))
+    }
+
+    /// The condition that a piece of clothing has one of the colours; the word at `at` names it.
+    pub(crate) fn worn_in(
+        &mut self,
+        garment: Garment,
+        colors: &[Color],
+        at: usize,
+        end: usize,
+    ) -> Condition {
         let word = self.word(at);
         let place = match garment {
             Garment::Upper => "above the waist",
             Garment::Lower => "below the waist",
             Garment::Any => "above or below the waist",
-            Garment::Other => {
-                let message = format!(
-                    "\"{word}\": only clothes above and below the waist are known here, not used"
-                );
-                return self.report_unread(IssueKind::NotInGraph, start, at + 1, message);
-            }
+            Garment::Other => return self.looks(self.span(at.min(end - 1), end)),
         };
         let message = format!("\"{word}\" read as whatever is worn {place}");
         self.report(IssueKind::Ambiguous, at, at + 1, message);
+        any_of(colors.iter().flat_map(|color| worn(garment, *color)).collect())
     }
 }
 
 /// Conditions, one of which must hold.
-fn worn(garment: Garment, color: Color) -> Vec<Condition> {
+pub(crate) fn worn(garment: Garment, color: Color) -> Vec<Condition> {
     let [upper, lower] = [AttributeValue::upper_color(color), AttributeValue::lower_color(color)]
         .map(Condition::has);
     match garment {

@@ -244,7 +244,8 @@ impl Parser<'_> {
         if !self.roles_at(at).has_any(NOUN_START) || !self.is_noun_ahead(at) {
             return None;
         }
-        (at..at + 9).find(|at| self.roles_at(*at).has_any(Roles::of(&[Role::Noun, Role::One])))
+        const NAMES: Roles = Roles::of(&[Role::Noun, Role::One, Role::IdMark]);
+        (at..at + 9).find(|at| self.roles_at(*at).has_any(NAMES))
     }
 
     /// Whether "located to his" is at a place.
@@ -260,7 +261,8 @@ impl Parser<'_> {
             start,
             Roles::of(&[Role::The, Role::A, Role::All, Role::No, Role::Filler]),
         );
-        let is_plain = self.is_at(next, Role::Noun) && !self.is_at(next, Role::Implies)
+        let is_plain = self.is_at(next, Role::IdMark)
+            || self.is_at(next, Role::Noun) && !self.is_at(next, Role::Implies)
             || self.is_at(next, Role::Implies) && self.is_noun_ahead(next);
         let is_noun = (next > start || is_plain) && self.noun_at(next).is_some();
         is_noun || self.after_one(self.state.at).is_some()

@@ -1,14 +1,17 @@
 //! Actions, interactions and relations: "walking with a woman", "holding a bag", "facing me", "next
 //! to the door".
 
-use jrdb_types::Pattern;
-use jrdb_types::query::{Category, Quantity, RelationKind};
+use jrdb_types::query::{Category, Place, Quantity, RelationKind, Viewpoint};
 use jrdb_types::vocab::PairWord;
+use jrdb_types::{Condition, Pattern};
 
 use crate::lexicon::{Entry, Role, Roles};
 use crate::parser::Parser;
 use crate::pattern::{push_related, truncated_antecedent};
 use crate::phrase::Partner;
+
+/// Words before the object of a deed.
+const OBJECT_ARTICLES: Roles = Roles::of(&[Role::The, Role::A, Role::His, Role::My]);
 
 impl Parser<'_> {
     /// Partners of a subject, which is the antecedent of pronouns among them.
@@ -45,6 +48,12 @@ impl Parser<'_> {
         {
             return true;
         }
+        if entry.object.is_none() && entry.people.is_some() && self.is_unknown_object_at_hand() {
+            let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+            let end = self.description_end(first).max(first + 1);
+            self.push_looks(pattern, at, end);
+            return true;
+        }
         if let Some(label) = &entry.object {
             self.with_object(pattern, entry, label);
         } else if !entry.implies.is_empty() {
@@ -59,7 +68,7 @@ impl Parser<'_> {
     }
 
     /// "chatting" without a partner: with any person.
-    fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
+    pub(crate) fn bare_interaction(&mut self, pattern: &mut Pattern, label: &str, at: usize) {
         if label.ends_with(" together") {
             let message = format!("read as {label:?} with somebody");
             self.report(jrdb_types::IssueKind::Ambiguous, at, at + 1, message);
@@ -140,6 +149,12 @@ impl Parser<'_> {
             }
             return;
         }
+        if self.is_unknown_object_at_hand() {
+            let verb = self.state.at - 1;
+            let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+            let end = self.description_end(first).max(first + 1);
+            return self.push_looks(pattern, verb, end);
+        }
         let partners =
             if self.is_object_at_hand() { self.partners_of(pattern) } else { Vec::new() };
         if partners.is_empty() {
@@ -161,6 +176,26 @@ impl Parser<'_> {
             object.conditions.extend(named.conditions);
         }
         object
+    }
+
+    /// "a balloon", "his left arm": no thing of the lexicon.
+    fn is_unknown_object_at_hand(&self) -> bool {
+        const STRANGE: Roles = Roles::of(&[
+            Role::Unknown,
+            Role::Looks,
+            Role::Garment,
+            Role::Color,
+            Role::Shade,
+            Role::Sector,
+            Role::Implies,
+        ]);
+        let first = self.next_not_in(self.state.at, OBJECT_ARTICLES);
+        let last = self.next_not_in(first, STRANGE);
+        let is_strange = |at: usize| {
+            self.roles_at(at).has_any(Roles::of(&[Role::Unknown, Role::Looks, Role::Garment]))
+        };
+        let is_noun = self.roles_at(last).has_any(Roles::of(&[Role::Noun, Role::One]));
+        !is_noun && (first..last).any(is_strange) && !self.is(Role::Noun)
     }
 
     fn is_object_at_hand(&self) -> bool {
@@ -208,7 +243,11 @@ impl Parser<'_> {
         let partners = self.partners_of(pattern);
         if partners.is_empty() {
             self.state.at = start;
-            let alone = if is_mutual {
+            let is_both = entry.relation.is_some()
+                && entry.relation_too.is_some()
+                && is_away
+                && entry.implies.is_empty();
+            let alone = if is_mutual || is_both {
                 Pattern::default()
             } else if is_away || !entry.implies.is_empty() {
                 Pattern::of(Category::Robot)
@@ -218,10 +257,26 @@ impl Parser<'_> {
             push_related(pattern, entry.kinds(), alone, Quantity::SOME);
             return true;
         }
-        for partner in partners {
-            push_related(pattern, entry.kinds(), partner.pattern, partner.quantity);
+        for mut partner in partners {
+            let mut kinds = entry.kinds();
+            kinds.extend(self.side_of_pair(kind, &mut partner.pattern));
+            push_related(pattern, kinds, partner.pattern, partner.quantity);
         }
         true
+    }
+
+    /// "on the right" behind "beside the lady", where somebody said from where both are seen: the
+    /// side of the lady, and not of the robot.
+    fn side_of_pair(&self, kind: &RelationKind, partner: &mut Pattern) -> Option<RelationKind> {
+        let is_seen = self.is_viewed && *kind == RelationKind::Pair(PairWord::Adjacent);
+        let is_side = |c: &mut Condition| matches!(c, Condition::FromRobot(Place::Direction(_)));
+        let side = if is_seen { partner.conditions.pop_if(is_side) } else { None };
+        match side {
+            Some(Condition::FromRobot(place)) => {
+                Some(RelationKind::Placed { place, viewpoint: Viewpoint::Robot })
+            }
+            _ => None,
+        }
     }
 
     /// "the right", "his left".
@@ -264,13 +319,63 @@ impl Parser<'_> {
 
     /// Adds what an adjective implies.
     pub(crate) fn adjective_predicate(&mut self, pattern: &mut Pattern) -> bool {
-        let entry = self.entry();
-        if !entry.roles.has(Role::Implies) {
+        let (roles, at) = (self.roles(), self.state.at);
+        if !roles.has(Role::Implies) {
             return false;
         }
+        let is_race = roles.has(Role::Color);
+        if is_race && !self.is_race_said_of(pattern) {
+            let end = self.description_end(at).max(at + 1);
+            self.push_looks(pattern, at, end);
+            return true;
+        }
         self.bump();
-        pattern.conditions.extend(entry.implies.iter().cloned());
+        pattern.conditions.extend(self.implied(at));
         true
+    }
+}
+
+impl Parser<'_> {
+    /// Whether the colour at hand is said of a person behind "is".
+    fn is_race_said_of(&self, subject: &Pattern) -> bool {
+        const LIST: Roles = Roles::of(&[
+            Role::Implies,
+            Role::Comma,
+            Role::And,
+            Role::Or,
+            Role::Not,
+            Role::Filler,
+            Role::Either,
+            Role::Neither,
+        ]);
+        let is_person = matches!(subject.category, Category::Person | Category::Anything);
+        let mut before = self.state.at;
+        while before > 0
+            && self.roles_at(before - 1).has_any(LIST)
+            && !self.is_at(before - 1, Role::Is)
+        {
+            before -= 1;
+        }
+        let is_said = before > 0
+            && self.roles_at(before - 1).has_any(Roles::of(&[
+                Role::Is,
+                Role::Asks,
+                Role::Noun,
+                Role::One,
+            ]));
+        let is_asked = (0..before).any(|at| self.is_at(at, Role::Is));
+        let ends = !self.roles_at(self.state.at + 1).has_any(Roles::of(&[
+            Role::Garment,
+            Role::Looks,
+            Role::Color,
+            Role::Worn,
+        ]));
+        let is_last =
+            self.state.at + 1 == self.state.tokens.len() || self.is_at(self.state.at + 1, Role::Or);
+        if is_person && is_last && self.state.asks_several {
+            return true;
+        }
+        is_person && ends && is_said && (self.is_at(before.wrapping_sub(1), Role::Is) || is_asked)
     }
 }
 

@@ -67,22 +67,32 @@
 //! Everything below this folder is free of cycles: `lexicon`, `suggest`, `token`, `issues`,
 //! `pattern`, `phrase` and `parser` do not know any production.
 
+mod adjective;
+mod appearance;
+mod choice;
 mod clause;
 mod clothes;
+mod command;
 mod coordination;
+mod discourse;
 mod distribution;
+mod garment;
 mod interaction;
+mod kind;
 mod location;
 mod noun;
 mod number;
+mod passive;
 mod place;
 mod possession;
 mod predicate;
 mod question;
+mod reference;
 mod subject;
 mod superlative;
 mod target;
 mod time;
+mod view;
 mod wh;
 
 #[cfg(test)]

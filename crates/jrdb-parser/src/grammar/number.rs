@@ -159,6 +159,7 @@ impl Parser<'_> {
             return None;
         }
         let unit = self.unit().or(unit)?;
+        let number = number + self.hundredths(unit);
         let metres = |number: f64| rounded_m(number * unit);
         let limit = if self.eat(Role::Radius) { Some(Limit::AtMost) } else { limit };
         if let Some(second) = second {
@@ -169,6 +170,23 @@ impl Parser<'_> {
             });
         }
         Some(limited_length(limit, metres(number)))
+    }
+
+    /// "ninety" of "one metre ninety".
+    fn hundredths(&mut self, unit: f64) -> f64 {
+        let is_last =
+            !self.roles_at(self.state.at + 1).has_any(Roles::of(&[Role::Unit, Role::Noun]));
+        if unit != 1.0 || !self.is(Role::Number) || !is_last {
+            return 0.0;
+        }
+        let start = self.state.at;
+        match self.whole() {
+            Some(more @ 10..100) => f64::from(more) / 100.0,
+            _ => {
+                self.state.at = start;
+                0.0
+            }
+        }
     }
 
     fn unit(&mut self) -> Option<f64> {

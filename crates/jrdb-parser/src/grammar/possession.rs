@@ -59,7 +59,10 @@ impl Parser<'_> {
 
     /// "'s bag" behind "the woman": the bag that is with the woman.
     pub(crate) fn owned(&mut self, group: &mut NounGroup) {
-        while self.is(Role::Possessive) && self.is_at(self.state.at + 1, Role::Noun) {
+        while self.has_possessives
+            && self.is(Role::Possessive)
+            && self.is_at(self.state.at + 1, Role::Noun)
+        {
             if !self.has_room(levels(&group.pattern)) {
                 return;
             }
@@ -90,10 +93,15 @@ impl Parser<'_> {
         self.entry_at(next).category == Some(Category::Person)
     }
 
-    fn one_possession(&mut self, pattern: &mut Pattern) -> Option<Condition> {
+    pub(crate) fn one_possession(&mut self, pattern: &mut Pattern) -> Option<Condition> {
         if let Some(robot) = self.robot() {
             let kinds = vec![RelationKind::With];
             return Some(related(kinds, robot, Quantity::SOME));
+        }
+        if self.is(Role::Him) && !self.is_noun_ahead(self.state.at + 1) && self.discourse.is_some()
+        {
+            let him = self.pronoun()?;
+            return Some(related(vec![RelationKind::With], him, Quantity::SOME));
         }
         let start = self.state.at;
         let mut group = NounGroup::default();
@@ -104,7 +112,11 @@ impl Parser<'_> {
         if self.is_facing_him() {
             self.set_antecedent(pattern);
         }
-        while self.is_activity_next() && self.activity(&mut group.pattern) {}
+        let is_person = matches!(group.pattern.category, Category::Person | Category::Anything);
+        if is_person && self.is_at_hand_clothes() {
+            self.clothes(&mut group.pattern);
+        }
+        while is_person && self.is_activity_next() && self.activity(&mut group.pattern) {}
         if self.is_facing_him() {
             self.relation(&mut group.pattern);
         }
@@ -131,6 +143,12 @@ impl Parser<'_> {
             && self.is_at(self.state.at + 1, Role::Him)
     }
 
+    /// "in yellow" behind "with a girl".
+    fn is_at_hand_clothes(&self) -> bool {
+        let is_in = self.is(Role::At) && self.word(self.state.at).eq_ignore_ascii_case("in");
+        is_in || self.entry().object.as_deref() == Some("wearing")
+    }
+
     fn is_activity_next(&self) -> bool {
         self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]))
     }
@@ -146,7 +164,16 @@ impl Parser<'_> {
             return vec![kind];
         }
         let mut location = LocationPhrase::default();
+        let checkpoint = self.checkpoint();
         if self.location_phrase(subject, &mut location) {
+            let is_asked = self.state.asks_several
+                && matches!(location.reference, Reference::Robot)
+                && (self.is_end() || self.is(Role::Or));
+            if is_asked {
+                // "is the man with the cart behind me": asked of the man.
+                self.rewind(checkpoint);
+                return vec![RelationKind::With];
+            }
             if matches!(location.reference, Reference::Unsaid | Reference::His | Reference::Him) {
                 location.apply_near_default();
                 return location.kinds(Viewpoint::Subject);

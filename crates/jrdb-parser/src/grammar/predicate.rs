@@ -1,8 +1,9 @@
 //! Predicates: "not sitting near the table", "except those standing", "is a woman".
 
-use jrdb_types::query::{Category, RelationKind};
+use jrdb_types::query::{Category, Quantity, RelationKind};
 use jrdb_types::{Condition, Pattern};
 
+use crate::grammar::appearance::VISIBLE;
 use crate::grammar::clothes::CLOTHES_START;
 use crate::grammar::noun::NOUN_START;
 use crate::grammar::place::LOCATION_START;
@@ -62,13 +63,28 @@ impl Parser<'_> {
             return true;
         }
         if roles.has_any(Roles::of(&[Role::Action, Role::Interaction])) {
+            if self.passive(pattern) {
+                return true;
+            }
             return self.activity(pattern);
         }
         if roles.has(Role::Noun) && after == After::Verb && self.predicate_nominal(pattern) {
             return true;
         }
-        if roles.has(Role::Implies) {
-            return self.adjective_predicate(pattern);
+        if roles.has(Role::Implies) && self.adjective_predicate(pattern) {
+            return true;
+        }
+        if roles.has(Role::Common) && self.is_at(self.state.at + 1, Role::Looks) {
+            // "looks happy".
+            let checkpoint = self.checkpoint();
+            self.bump();
+            if self.deed(pattern) {
+                return true;
+            }
+            self.rewind(checkpoint);
+        }
+        if roles.has_any(Roles::of(&[Role::Looks, Role::Unknown])) && self.deed(pattern) {
+            return true;
         }
         if roles.has_any(LOCATION_START) && !roles.has(Role::Noun) && self.location(pattern, after)
         {
@@ -123,7 +139,10 @@ impl Parser<'_> {
             self.state.at += length;
             return self.superlative_predicate(pattern, rank, start);
         }
-        self.at_thing(pattern)
+        after == After::Noun && self.bare_thing(pattern)
+            || self.trailing_view()
+            || self.passive(pattern)
+            || self.at_thing(pattern)
             || self.unsupported_predicate()
             || after == After::Verb && self.predicate_nominal(pattern)
     }
@@ -295,6 +314,31 @@ impl Parser<'_> {
         self.entry_at(next).category.as_ref().is_some_and(|c| *c != Category::Person)
     }
 
+    /// "cane" of "old man cane": telegram style for "with a cane".
+    fn bare_thing(&mut self, pattern: &mut Pattern) -> bool {
+        let is_worn = self.roles().has_any(Roles::of(&[Role::Worn, Role::Garment, Role::Color]));
+        if is_worn && pattern.category == Category::Person && self.bare_worn(pattern) {
+            return true;
+        }
+        if !self.is_bare_thing_at(self.state.at) || pattern.category != Category::Person {
+            return false;
+        }
+        let Some(group) = self.noun_group() else { return false };
+        push_related(pattern, vec![RelationKind::With], group.pattern, Quantity::SOME);
+        true
+    }
+
+    /// Whether a thing without an article is named at a position.
+    pub(crate) fn is_bare_thing_at(&self, at: usize) -> bool {
+        let category = self.entry_at(at).category.as_ref();
+        let is_thing = matches!(category, Some(Category::Class(_)));
+        let before = self.roles_at(at.wrapping_sub(1));
+        let is_plural = self.is_at(at, Role::Plural) && !self.is_at(at, Role::Singular);
+        is_thing
+            && !is_plural
+            && !before.has_any(Roles::of(&[Role::The, Role::A, Role::And, Role::Or]))
+    }
+
     /// "whose age is young".
     pub(crate) fn whose(&mut self, pattern: &mut Pattern) -> bool {
         let checkpoint = self.checkpoint();
@@ -305,9 +349,16 @@ impl Parser<'_> {
         } else {
             self.whose_clothes(pattern)
         };
-        if !found {
-            self.rewind(checkpoint);
+        if found {
+            return true;
         }
-        found
+        self.rewind(checkpoint);
+        let first = self.state.at + 1;
+        let is_said = self.roles_at(first).has_any(VISIBLE) && self.is_at(first + 1, Role::Is);
+        if is_said {
+            let end = self.description_end(first + 2).max(first + 3).min(self.state.tokens.len());
+            self.push_looks(pattern, first, end);
+        }
+        is_said
     }
 }

@@ -1,12 +1,16 @@
 //! Questions and requests: "find", "how many", "is there", "what is the man doing".
 
+use std::rc::Rc;
+
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Order, Property, Quantity, Task};
 use jrdb_types::{Attribute, Condition, Pattern, Query};
 
+use crate::grammar::discourse::Asked;
+
 use crate::lexicon::{Role, Roles};
 use crate::parser::{Parser, has_known_word};
-use crate::pattern::{all_of, split_from};
+use crate::pattern::{split_from, truncated_antecedent};
 use crate::phrase::{NounGroup, Target};
 
 /// What "describe" asks for.
@@ -33,9 +37,22 @@ enum Verb {
 }
 
 impl Parser<'_> {
+    /// Reads a question that follows another.
+    pub(crate) fn question_after(mut self, before: &Query) -> Query {
+        self.discourse = Some(Rc::new(truncated_antecedent(&before.target)));
+        let asked =
+            Asked { task: before.task.clone(), target: before.target.clone(), command: None };
+        self.question_in(asked)
+    }
+
     /// Reads the whole question.
-    pub(crate) fn question(mut self) -> Query {
-        let (task, mut target) = self.question_form();
+    pub(crate) fn question(self) -> Query {
+        self.question_in(Asked::default())
+    }
+
+    fn question_in(mut self, before: Asked) -> Query {
+        let all = self.state.tokens;
+        let Asked { task, mut target, command } = self.discourse(before);
         while !self.is_end() {
             self.report_unused();
         }
@@ -44,15 +61,31 @@ impl Parser<'_> {
             self.report_not_understood();
         }
         let text = self.text.into();
-        target.conditions.extend(self.unread());
+        target.conditions.extend(self.unread(all));
         let (slots, issues) = self.finish();
-        Query { text, task, target, slots, issues }
+        Query { text, task, target, command, slots, issues }
+    }
+
+    /// A question or a command.
+    pub(crate) fn one_question(&mut self) -> Asked {
+        self.skip_while(LEAD);
+        self.view();
+        self.addressed();
+        if let Some(asked) = self.command() {
+            return asked;
+        }
+        let (task, target) = self.question_form();
+        Asked { task, target, command: None }
     }
 
     /// Any form of question: the task, and the pattern that it is about.
     pub(crate) fn question_form(&mut self) -> (Task, Pattern) {
         self.skip_while(LEAD);
         self.addressed();
+        let is_tagged = self.drop_tag();
+        if self.asked_color_at_hand() {
+            return self.asked_color();
+        }
         if self.eat_unsupported_property() {
             return (Task::Find, self.target().pattern);
         }
@@ -84,6 +117,9 @@ impl Parser<'_> {
         if roles.has(Role::Of) && !roles.has(Role::Sector) {
             return self.among();
         }
+        if is_tagged || self.has_declared_share() {
+            return self.yes_no_about(Verb::Be);
+        }
         self.verbless_question()
     }
 
@@ -110,7 +146,9 @@ impl Parser<'_> {
         self.bump();
         if roles.has(Role::Count) {
             self.skip_while(Roles::of(&[Role::Of]));
-            return (Task::Count, self.counted_target());
+            let pattern = self.counted_target();
+            let task = if self.counts_groups() { Task::Groups } else { Task::Count };
+            return (task, pattern);
         }
         if roles.has(Role::Where) {
             self.skip_while(COPULA);
@@ -124,24 +162,27 @@ impl Parser<'_> {
     fn counted_target(&mut self) -> Pattern {
         let target = self.target();
         self.report_count(&target);
-        self.report_groups();
         target.pattern
     }
 
-    /// "how many couples": people who are in groups are counted, and not the groups.
-    fn report_groups(&mut self) {
+    /// "how many couples": the groups are counted, and not the people in them.
+    fn counts_groups(&self) -> bool {
         let is_group = |c: &Condition| matches!(c, Condition::GroupSize(_));
-        let noun = self.state.head_noun.filter(|noun| noun.implies.iter().any(is_group));
-        let is_noun = |at: &usize| noun.is_some_and(|noun| std::ptr::eq(noun, self.entry_at(*at)));
-        if let Some(at) = (0..self.state.at).find(is_noun) {
-            let message = "groups are not counted here, only the people in them".into();
-            self.report_unread(IssueKind::NotInGraph, at, at + 1, message);
-        }
+        self.state.head_noun.is_some_and(|noun| noun.implies.iter().any(is_group))
     }
 
     /// Skips "Robot, …", which addresses the robot.
     fn addressed(&mut self) {
-        const NEXT: Roles = Roles::of(&[Role::Comma, Role::Find, Role::Which, Role::Count]);
+        const NEXT: Roles = Roles::of(&[
+            Role::Comma,
+            Role::Find,
+            Role::Which,
+            Role::Count,
+            Role::Filler,
+            Role::Command,
+            Role::Where,
+            Role::How,
+        ]);
         if self.is(Role::Robot) && self.roles_at(self.state.at + 1).has_any(NEXT) {
             self.bump();
             self.skip_while(LEAD);
@@ -161,10 +202,15 @@ impl Parser<'_> {
             Role::If,
         ]);
         self.bump();
-        self.skip_while(Roles::of(&[Role::Filler, Role::To]));
+        self.skip_while(Roles::of(&[Role::Filler, Role::To, Role::Comma]));
         let roles = self.roles();
-        if roles.has_any(OPENERS) && !roles.has(Role::The) {
+        let asks = roles.has_any(Roles::of(&[Role::Is, Role::Doing, Role::Has]));
+        let is_asked = asks && self.is_at(self.state.at - 1, Role::Comma);
+        if is_asked || roles.has_any(OPENERS) && !roles.has(Role::The) {
             return self.nested(Self::question_form);
+        }
+        if self.eat_unsupported_property() {
+            return (Task::Find, self.target().pattern);
         }
         if roles.has(Role::Asks)
             || roles.has(Role::The) && self.is_at(self.state.at + 1, Role::Asks)
@@ -243,19 +289,33 @@ impl Parser<'_> {
     /// The subject of a yes-or-no question, and what is asked of it.
     fn yes_no_about(&mut self, verb: Verb) -> (Task, Pattern) {
         self.state.asks_several = true;
-        let is_definite = self.is(Role::The);
+        if let Some(asked) = self.cleft() {
+            return asked;
+        }
+        if let Some(asked) = self.garment_question() {
+            return asked;
+        }
+        let start = self.state.at;
+        let is_definite = self.is_definite();
         let mut group = self.target_noun_group();
         if verb == Verb::Have && self.is(Role::A) {
             self.possessed(&mut group.pattern);
         }
-        let has_predicate = is_definite || group.is_all || group.pattern.pick.is_some();
+        let has_predicate =
+            is_definite || group.is_all || group.share.is_some() || group.pattern.pick.is_some();
         let mut target =
             if has_predicate { self.predicate_of(group) } else { self.finish_target(group) };
-        if target.is_all && target.pattern.conditions.len() > target.head {
-            // All of them are, if none of them is not.
-            let asked = all_of(split_from(&mut target.pattern.conditions, target.head));
-            target.pattern.conditions.push(Condition::Not(Box::new(asked)));
-            return (Task::Exists(Quantity::NONE), target.pattern);
+        if let Some(asked) = self.asked_apart(&mut target) {
+            return asked;
+        }
+        let has_asked = target.pattern.conditions.len() > target.head;
+        if let Some(share) = target.share.filter(|_| has_asked) {
+            let asked = split_from(&mut target.pattern.conditions, target.head);
+            return (Task::Each { share, asked }, target.pattern);
+        }
+        let may_choose = is_definite && has_asked && self.state.subjects.is_none();
+        if may_choose && let Some(task) = self.choice_of(&mut target, start) {
+            return (task, target.pattern);
         }
         let count = target.count.map(|(count, _)| count).or(self.state.subjects);
         let quantity = target.quantity.or(count.map(Quantity::at_least));

@@ -1,13 +1,15 @@
 //! The subject of a yes-or-no question, and where its predicate begins: "is the tallest person |
 //! sitting?"
 
-use jrdb_types::query::{Category, Quantity, RelationKind};
-use jrdb_types::vocab::PairWord;
-use jrdb_types::{Condition, Pattern};
+use jrdb_types::query::{Category, Place, Quantity, RelationKind, Viewpoint};
+use jrdb_types::vocab::{PairWord, Sector};
+use jrdb_types::{Condition, Direction, Pattern};
 
 use crate::lexicon::{Role, Roles};
 use crate::parser::Parser;
-use crate::pattern::{alternative, any_of, chosen, identify, related, set_count, split_from};
+use crate::pattern::{
+    alternative, any_of, chosen, identify, join_alternative, related, set_count, split_from,
+};
 use crate::phrase::{After, NounGroup, Target};
 
 /// What begins a place that may belong to the subject.
@@ -57,9 +59,28 @@ impl Parser<'_> {
             identify(&mut group.pattern);
         }
         let head = group.pattern.conditions.len();
+        let is_asked = !asked.is_empty();
         group.pattern.conditions.extend(asked);
+        if is_asked {
+            self.alternative_places(&mut group.pattern);
+        }
         self.subject_complement(&mut group.pattern);
         Target { head, ..self.finish_target(group) }
+    }
+
+    /// "or behind me" behind "in front of me": alternatives of the place that is asked.
+    fn alternative_places(&mut self, pattern: &mut Pattern) {
+        while self.is(Role::Or) && !self.is_noun_group_next() {
+            let (checkpoint, length) = (self.checkpoint(), pattern.conditions.len());
+            self.bump();
+            self.skip_while(Roles::of(&[Role::Is, Role::Filler]));
+            let found = self.nested(|parser| parser.conditions(pattern));
+            if !found || pattern.conditions.len() != length + 1 {
+                pattern.conditions.truncate(length);
+                return self.rewind(checkpoint);
+            }
+            join_alternative(&mut pattern.conditions, length);
+        }
     }
 
     /// Reads the places behind the subject. Returns the number of conditions before the last one.
@@ -93,7 +114,10 @@ impl Parser<'_> {
     fn is_place_of_subject(&self) -> bool {
         let mutual = RelationKind::Pair(PairWord::Adjacent);
         let is_beside = self.is(Role::Relation) && self.entry().relation.as_ref() == Some(&mutual);
-        let is_length = self.roles().has_any(Roles::of(&[Role::Number, Role::Limit]));
+        let is_on = self.is(Role::Implies)
+            && !self.is(Role::Action)
+            && self.entry().implies.iter().all(|c| matches!(c, Condition::Related(_)));
+        let is_length = is_on || self.roles().has_any(Roles::of(&[Role::Number, Role::Limit]));
         is_beside || is_length || self.roles().has_any(PLACES)
     }
 
@@ -103,9 +127,11 @@ impl Parser<'_> {
 
     /// "a woman", "the tallest", "a man or a woman" behind the subject of a question.
     fn subject_complement(&mut self, pattern: &mut Pattern) {
-        if !self.roles().has_any(COMPLEMENT_START) {
+        let next = self.next_not_in(self.state.at, Roles::of(&[Role::Filler]));
+        if !self.roles_at(next).has_any(COMPLEMENT_START) {
             return;
         }
+        self.state.at = next;
         let checkpoint = self.checkpoint();
         if let Some(condition) = self.alternative_complements(&pattern.category) {
             pattern.conditions.push(condition);
@@ -173,12 +199,21 @@ impl Parser<'_> {
         let is_that = start > self.state.at && self.is_at(start - 1, Role::The);
         let has_name = self.roles_at(start).has_any(DETERMINERS) || is_that;
         let is_negated = (self.state.at..start).any(|at| self.is_at(at, Role::Not));
-        if start > self.state.at + 2 || !has_name || is_negated || !self.is_doer_at(start) {
+        let is_plain = self.is_doer_at(start);
+        if start > self.state.at + 2 || !has_name || is_negated {
+            return false;
+        }
+        if !is_plain && !self.is_described_doer_at(start) {
             return false;
         }
         let checkpoint = self.checkpoint();
         self.state.at = start;
-        let done = self.noun_group().and_then(|other| self.activity_of(other, &pattern.category));
+        let done = self.noun_group().and_then(|mut other| {
+            if !is_plain {
+                other.pattern = self.with_modifiers(other.pattern, other.count);
+            }
+            self.activity_of(other, &pattern.category)
+        });
         match done {
             Some(done) => pattern.conditions.push(done),
             None => self.rewind(checkpoint),
@@ -195,6 +230,28 @@ impl Parser<'_> {
         noun.is_some_and(|noun| self.roles_at(verb(noun)).has_any(ACTIVITIES))
     }
 
+    /// Whether a described noun stands at a position, and its verb at the end of the clause: "the
+    /// woman in white is talking to".
+    fn is_described_doer_at(&self, at: usize) -> bool {
+        const ENDS: Roles = Roles::of(&[Role::With, Role::To]);
+        const REACH: usize = 14;
+        let Some(noun) = self.noun_at(self.next_not_in(at, Roles::of(&[Role::The, Role::A])))
+        else {
+            return false;
+        };
+        if self.entry_at(noun).category != Some(Category::Person) {
+            return false;
+        }
+        let verb = (noun + 1..noun + REACH).find(|verb| {
+            let end = self.next_not_in(verb + 1, ENDS);
+            let ends = end >= self.state.tokens.len() || self.roles_at(end).has_any(CLAUSE_ENDS);
+            let is_verb = self.roles_at(*verb).has_any(Roles::of(&[Role::Interaction]));
+            is_verb && ends && self.is_at(verb - 1, Role::Is)
+        });
+        let is_inner = |at: usize| self.roles_at(at).has_any(Roles::of(&[Role::Who, Role::Comma]));
+        verb.is_some_and(|verb| !(noun..verb).any(is_inner))
+    }
+
     /// The relation of the other subject to the object, which has a category and is not named
     /// again.
     fn activity_of(&mut self, other: NounGroup, category: &Category) -> Option<Condition> {
@@ -208,6 +265,10 @@ impl Parser<'_> {
             let has_with = self.eat(Role::With) || self.eat(Role::To);
             (has_with || entry.implies.is_empty())
                 .then(|| RelationKind::Interaction(label.clone()))?
+        } else if is_person && entry.relation.is_some() {
+            // Whoever looks at somebody has that person in front.
+            let place = Place::Direction(Direction::level(Sector::Front));
+            RelationKind::Placed { place, viewpoint: Viewpoint::Partner }
         } else if entry.roles.has(Role::Has) {
             RelationKind::With
         } else if !is_person && entry.roles.has(Role::Action) && self.eat(Role::At) {

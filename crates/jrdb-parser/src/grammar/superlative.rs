@@ -3,7 +3,8 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, Quantity, RelationKind, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Pick, Place, Quantity,
+    RelationKind, Viewpoint,
 };
 use jrdb_types::vocab::Sector;
 use jrdb_types::{Condition, Pattern};
@@ -29,6 +30,11 @@ fn measure(measured: Measured, from: Option<Pattern>) -> Measure {
         Measured::Age => Measure::Age,
         Measured::Speed => Measure::Speed,
     }
+}
+
+/// The middle of a stretch of metres.
+fn middle(metres: &Interval) -> Option<f64> {
+    metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)))
 }
 
 impl Parser<'_> {
@@ -91,11 +97,7 @@ impl Parser<'_> {
             return self.put_pick(pattern, pick, start);
         }
         if self.is(Role::To) {
-            self.bump();
-            self.nested(Self::noun_phrase);
-            let message = "nearer to one thing than to another cannot be asked, not used".into();
-            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
-            return true;
+            return self.nearer(pattern, from, order, start);
         }
         if let (true, Some(metres)) = (from.is_none(), self.length()) {
             return self.beyond(pattern, measured, order, metres, start);
@@ -115,6 +117,30 @@ impl Parser<'_> {
         true
     }
 
+    /// "to the girl" behind "nearer to me than".
+    fn nearer(
+        &mut self,
+        pattern: &mut Pattern,
+        from: Option<Pattern>,
+        order: Order,
+        start: usize,
+    ) -> bool {
+        self.bump();
+        let first = from.unwrap_or_else(|| Pattern::of(Category::Robot));
+        let Some(second) = self.nested(Self::noun_phrase) else {
+            let message = "nothing to compare with, not used".into();
+            self.report_unread(IssueKind::MisplacedWord, start, self.state.at, message);
+            return true;
+        };
+        let (to, than) = match order {
+            Order::Least => (first, second),
+            Order::Most => (second, first),
+        };
+        let nearer = Nearer { to: Box::new(to), than: Box::new(than) };
+        pattern.conditions.push(Condition::Nearer(nearer));
+        true
+    }
+
     /// "closer than 3 m": a distance from the robot; other measures are not compared with metres.
     fn beyond(
         &mut self,
@@ -124,12 +150,21 @@ impl Parser<'_> {
         metres: Interval,
         start: usize,
     ) -> bool {
+        if let (Measured::Height, Some(limit)) = (measured, middle(&metres)) {
+            let within = match order {
+                Order::Least => Interval { min: None, max: Some(limit) },
+                Order::Most => Interval { min: Some(limit), max: None },
+            };
+            let measures = Measures { measure: Measure::Height, within };
+            pattern.conditions.push(Condition::Measures(measures));
+            return true;
+        }
         if measured != Measured::Distance {
             let message = "only distances are compared with metres, not used".into();
             self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
             return true;
         }
-        let limit = metres.max.zip(metres.min).map(|(max, min)| rounded_m(f64::midpoint(min, max)));
+        let limit = middle(&metres);
         let metres = match order {
             Order::Least => Interval { min: None, max: limit },
             Order::Most => Interval { min: limit, max: None },

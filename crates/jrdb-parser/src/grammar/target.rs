@@ -25,10 +25,25 @@ impl Parser<'_> {
     pub(crate) fn target_noun_group(&mut self) -> NounGroup {
         self.skip_while(Roles::of(&[Role::Either, Role::Filler]));
         let mut group = NounGroup::default();
+        if self.is(Role::Comparative) && self.older(&mut group) {
+            let mut all = NounGroup::default();
+            if self.read_noun_group(&mut all) {
+                all.pattern.conditions.splice(0..0, group.pattern.conditions);
+                return all;
+            }
+        }
+        if let Some(those) = self.demonstrated() {
+            return NounGroup { pattern: those, ..NounGroup::default() };
+        }
         if self.read_noun_group(&mut group) {
             return group;
         }
         if self.is(Role::Him) {
+            let those = self.discourse.clone();
+            if let Some(those) = those {
+                self.eat_pronoun();
+                return NounGroup { pattern: (*those).clone(), ..NounGroup::default() };
+            }
             let pattern = self.pronoun().unwrap_or_default();
             return NounGroup { pattern, ..NounGroup::default() };
         }
@@ -43,6 +58,26 @@ impl Parser<'_> {
             return NounGroup { pattern, ..NounGroup::default() };
         }
         NounGroup::default()
+    }
+
+    /// "that" of "is that a man or a woman?": what was spoken of before.
+    fn demonstrated(&mut self) -> Option<Pattern> {
+        let those = self.discourse.as_deref()?;
+        let is_that = ["that", "this", "these", "those"]
+            .iter()
+            .any(|word| self.word(self.state.at).eq_ignore_ascii_case(word));
+        let next = self.roles_at(self.state.at + 1);
+        let is_alone = next.has_any(Roles::of(&[Role::A, Role::The])) || self.is_last();
+        if !is_that || !is_alone {
+            return None;
+        }
+        let those = those.clone();
+        self.bump();
+        Some(those)
+    }
+
+    fn is_last(&self) -> bool {
+        self.state.at + 1 == self.state.tokens.len()
     }
 
     /// Reads the clauses and alternatives behind a noun group: "the man or the woman next to him".
@@ -71,8 +106,8 @@ impl Parser<'_> {
         } else {
             pattern
         };
-        let NounGroup { quantity, count, is_all, .. } = group;
-        Target { pattern, quantity, count, is_all, head }
+        let NounGroup { quantity, count, share, .. } = group;
+        Target { pattern, quantity, count, share, head }
     }
 
     /// Reads the other parts of "the man, the woman and the child".

@@ -2,6 +2,7 @@
 
 use jrdb_types::issue::IssueKind;
 use jrdb_types::query::{Category, Property, Quantity, RelationKind, Task};
+use jrdb_types::vocab::PairWord;
 use jrdb_types::{Attribute, Pattern};
 
 use crate::grammar::question::COPULA;
@@ -13,16 +14,24 @@ use crate::phrase::{NounGroup, Target};
 impl Parser<'_> {
     /// "how far is the man", "which direction is he in".
     pub(crate) fn how(&mut self) -> (Task, Pattern) {
-        let properties: Vec<Property> = self.entry().asks.into_iter().collect();
+        let mut properties: Vec<Property> = self.entry().asks.into_iter().collect();
+        let is_apart = self.is(Role::Apart);
         self.bump();
         self.skip_while(Roles::of(&[Role::Side, Role::To, Role::Of, Role::Filler]));
         self.skip_while(COPULA);
-        let group = self.target_noun_group();
-        if properties == [Property::Distance] {
-            self.far_from();
+        if is_apart {
+            return self.apart();
+        }
+        if properties == [Property::Direction] && self.drop_facing() {
+            properties = vec![Property::Facing];
+        }
+        let mut group = self.target_noun_group();
+        if properties == [Property::Distance]
+            && let Some(partner) = self.far_from(&mut group)
+        {
+            return from(partner, group.pattern);
         }
         self.drop_stranded_preposition();
-        let mut group = group;
         let is_activity = self.roles().has_any(Roles::of(&[Role::Action, Role::Interaction]));
         if group.pattern.pick.is_some() && is_activity {
             identify(&mut group.pattern);
@@ -31,18 +40,69 @@ impl Parser<'_> {
         (Task::Which { properties, in_order: false }, target.pattern)
     }
 
-    /// "from the table" behind "how far is the man". Only distances from the robot can be asked
-    /// for.
-    fn far_from(&mut self) {
+    /// "from the table" behind "how far is the man": the table. The distance from the robot is told
+    /// anyway.
+    fn far_from(&mut self, group: &mut NounGroup) -> Option<Pattern> {
+        let checkpoint = self.checkpoint();
+        let target = self.with_modifiers(group.pattern.clone(), group.count);
         self.skip_while(Roles::of(&[Role::Side]));
-        let start = self.state.at;
         let to = self.is(Role::To) || self.is_at(self.state.at.wrapping_sub(1), Role::To);
         self.state.at += usize::from(self.is(Role::To));
         let from = if to { self.noun_phrase() } else { None };
-        if from.is_some_and(|from| from.category != Category::Robot) {
-            let message = "only distances from the robot are told, this is not used".into();
-            self.report_unread(IssueKind::NotInGraph, start, self.state.at, message);
+        match from {
+            Some(from) => {
+                group.pattern = target;
+                let is_robot = from.category == Category::Robot;
+                if is_robot { None } else { Some(self.rest_of(from)) }
+            }
+            _ => {
+                self.rewind(checkpoint);
+                None
+            }
         }
+    }
+
+    /// Clauses behind the second of two things.
+    fn rest_of(&mut self, pattern: Pattern) -> Pattern {
+        let group = NounGroup { pattern, ..NounGroup::default() };
+        self.finish_target(group).pattern
+    }
+
+    /// "the man and the woman" behind "how far apart are".
+    fn apart(&mut self) -> (Task, Pattern) {
+        let Some(group) = self.noun_group() else { return self.how_far_of_nobody() };
+        let first = self.with_modifiers(group.pattern, group.count);
+        if self.eat(Role::And) {
+            let second = self.noun_group().map(|group| self.rest_of(group.pattern));
+            return from(second.unwrap_or_else(|| first.clone()), first);
+        }
+        let target = self.rest_of(first);
+        from(target.clone(), target)
+    }
+
+    fn how_far_of_nobody(&mut self) -> (Task, Pattern) {
+        let target = self.target().pattern;
+        (Task::Which { properties: vec![Property::Distance], in_order: false }, target)
+    }
+
+    /// Cuts "facing" and "walking" off the end of "which way is the man facing".
+    fn drop_facing(&mut self) -> bool {
+        let mut last = self.state.tokens.len().wrapping_sub(1);
+        if self.roles_at(last).has_any(Roles::of(&[Role::To, Role::At])) {
+            last = last.wrapping_sub(1);
+        }
+        let entry = self.entry_at(last);
+        let is_facing = entry.relation == Some(RelationKind::Pair(PairWord::Facing));
+        let is_look =
+            ["looking", "look", "turned", "pointing", "facing", "headed", "moving", "going"]
+                .iter()
+                .any(|word| self.word(last).eq_ignore_ascii_case(word));
+        let is_way = entry.roles.has(Role::Action) && !entry.roles.has(Role::Noun);
+        let found = last > self.state.at && (is_facing || is_look || is_way);
+        if found {
+            self.state.tokens = &self.state.tokens[..last];
+        }
+        found
     }
 
     /// Cuts "in" off the end of "which direction is the man in": it belongs to the question word.
@@ -64,8 +124,11 @@ impl Parser<'_> {
         let is_of = self.is(Role::Of);
         self.skip_while(Roles::of(&[Role::Of, Role::Filler]));
         if is_of && self.is(Role::Him) {
-            // "which of them": of those that are seen.
+            // "which of them": of those that were spoken of, or are seen.
             self.eat_pronoun();
+            let pattern = self.discourse.as_deref().cloned().unwrap_or_default();
+            let group = NounGroup { pattern, ..NounGroup::default() };
+            return (Task::Find, self.finish_target(group).pattern);
         }
         while self.eat_unsupported() {}
         if self.is(Role::Asks) {
@@ -116,6 +179,14 @@ impl Parser<'_> {
             self.drop_last();
             self.state.asks_doing = true;
         }
+        if self
+            .state
+            .tokens
+            .last()
+            .is_some_and(|last| last.entry.object.as_deref() == Some("wearing"))
+        {
+            return self.worn_by(group);
+        }
         let label = self.last_interaction();
         let is_stranded = self.drop_stranded_preposition();
         let mut pattern = self.finish_target(group).pattern;
@@ -161,6 +232,9 @@ impl Parser<'_> {
         let (properties, in_order) = self.property_list();
         let is_place = matches!(properties[..], [Property::Distance | Property::Direction]);
         self.skip_while(Roles::of(&[Role::Of, Role::At]));
+        if is_place && let Some(asked) = self.between_two(properties[0]) {
+            return asked;
+        }
         if is_place {
             self.distance_endpoints();
         }
@@ -169,6 +243,29 @@ impl Parser<'_> {
         let group = self.target_noun_group();
         let target = self.finish_target(group);
         (Task::Which { properties, in_order }, target.pattern)
+    }
+
+    /// "between the man and the door", "from the man to the door" behind "the distance".
+    fn between_two(&mut self, property: Property) -> Option<(Task, Pattern)> {
+        if !self.roles().has_any(Roles::of(&[Role::Between, Role::To])) {
+            return None;
+        }
+        let checkpoint = self.checkpoint();
+        self.bump();
+        let first = self.noun_phrase();
+        let is_joined = self.eat(Role::And) || self.eat(Role::To);
+        let second = if is_joined { self.noun_phrase() } else { None };
+        let robot = |pattern: &Pattern| pattern.category == Category::Robot;
+        match (first, second) {
+            (Some(first), Some(second)) if !robot(&first) && !robot(&second) => {
+                let partner = Box::new(self.rest_of(second));
+                Some((Task::From { property, partner }, first))
+            }
+            _ => {
+                self.rewind(checkpoint);
+                None
+            }
+        }
     }
 
     /// "to the man", "from me to the man", "between the man and the door" behind "the distance".
@@ -208,12 +305,27 @@ impl Parser<'_> {
 
     pub(crate) fn who(&mut self) -> (Task, Pattern) {
         self.bump();
+        if self.is(Role::All) && self.is_at(self.state.at + 1, Role::Is) {
+            self.bump();
+        }
+        if self.is(Role::Other) {
+            self.bump();
+            return self.who_else();
+        }
         let had_is = self.is(Role::Is) && !self.is(Role::Not);
         if had_is {
             self.skip_while(COPULA);
         }
         if self.is_end() || had_is && self.sees() {
             return (Task::Find, Pattern::default());
+        }
+        let is_those = self.roles().has_any(Roles::of(&[Role::Him, Role::The]))
+            && self.discourse.is_some()
+            && self.entry().category.is_none();
+        let is_alone = self.state.at + 1 == self.state.tokens.len();
+        if had_is && is_those && (is_alone || self.is(Role::Him)) {
+            let group = self.target_noun_group();
+            return self.who_is(group);
         }
         let group = if had_is && !self.is(Role::Far) && !self.is(Role::Sector) {
             self.noun_group()
@@ -223,6 +335,11 @@ impl Parser<'_> {
         let Some(group) = group.filter(|_| !self.is_located_by_his_at(self.state.at)) else {
             return self.who_does();
         };
+        self.who_is(group)
+    }
+
+    /// "the man talking to" behind "who is".
+    fn who_is(&mut self, group: NounGroup) -> (Task, Pattern) {
         let done =
             if self.drop_stranded_preposition() { self.last_people_interaction() } else { None };
         let mut target = self.finish_target(group);
@@ -234,6 +351,14 @@ impl Parser<'_> {
         }
         self.report_count(&target);
         (Task::Find, target.pattern)
+    }
+
+    /// "who else": anybody but those spoken of before.
+    fn who_else(&mut self) -> (Task, Pattern) {
+        let mut pattern = Pattern::default();
+        self.not_those(&mut pattern);
+        let group = NounGroup { pattern, ..NounGroup::default() };
+        (Task::Find, self.finish_target(group).pattern)
     }
 
     /// Skips "are you looking at": the robot sees everything.
@@ -248,4 +373,9 @@ impl Parser<'_> {
     fn who_does(&mut self) -> (Task, Pattern) {
         (Task::Find, self.finish_target(NounGroup::default()).pattern)
     }
+}
+
+/// The distance of one thing from another.
+fn from(partner: Pattern, target: Pattern) -> (Task, Pattern) {
+    (Task::From { property: Property::Distance, partner: Box::new(partner) }, target)
 }

@@ -1,5 +1,6 @@
 //! The words that the parser knows, from `lexicon.txt`.
 
+mod english;
 mod entry;
 mod piece;
 mod read;
@@ -8,6 +9,7 @@ mod table;
 
 use std::sync::LazyLock;
 
+pub(crate) use english::is_english;
 pub(crate) use entry::{Entry, Garment, Limit, Measured};
 #[cfg(test)]
 pub(crate) use piece::Key;

@@ -38,6 +38,8 @@ enum Class {
     Apostrophe,
     Comma,
     Slash,
+    /// The mark before the number of a thing.
+    Hash,
     /// First byte of a character outside ASCII.
     Wide,
 }
@@ -50,6 +52,7 @@ const CLASSES: [Class; 256] = {
             b'a'..=b'z' | b'A'..=b'Z' | b'&' => Class::Letter,
             b'0'..=b'9' => Class::Digit,
             b'\'' => Class::Apostrophe,
+            b'#' => Class::Hash,
             b',' | b';' => Class::Comma,
             b'/' | b'\\' => Class::Slash,
             0x80.. => Class::Wide,
@@ -150,7 +153,7 @@ fn plain_word(text: &[u8]) -> Option<(Key, usize)> {
         (second, length) = (letters, CHUNK + more);
     }
     let behind = text.get(length).map_or(Class::Blank, |byte| CLASSES[usize::from(*byte)]);
-    let ends = matches!(behind, Class::Blank | Class::Comma | Class::Slash);
+    let ends = matches!(behind, Class::Blank | Class::Comma | Class::Slash | Class::Hash);
     let is_plain = ends && (1..=LETTERS_MAX).contains(&length);
     is_plain.then_some((Key::from_halves(first, second), length))
 }
@@ -169,6 +172,10 @@ fn piece(bytes: &[u8], text: &str, at: usize) -> (Option<u16>, usize) {
     match CLASSES[usize::from(bytes[at])] {
         Class::Letter => (Some(special::UNKNOWN), word_end(bytes, text, at) - at),
         Class::Digit => (Some(special::NUMBER), number_length(bytes, at)),
+        Class::Hash if is_digit(bytes, at + 1) || at + 1 == bytes.len() => {
+            (Some(special::UNKNOWN), 1)
+        }
+        Class::Hash => (None, 1),
         Class::Comma => (Some(special::COMMA), 1),
         Class::Slash => (Some(special::SLASH), 1),
         Class::Apostrophe if at == 0 || is_letter(bytes, at - 1) => match suffix(bytes, at + 1) {

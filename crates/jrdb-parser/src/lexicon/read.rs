@@ -90,6 +90,10 @@ fn add(entry: &mut Entry, meaning: &str) -> Option<()> {
         "asks" => put(&mut entry.asks, property(value), Role::Asks)?,
         "unsupported" => put(&mut entry.unsupported, Some(value.to_owned()), Role::Unsupported)?,
         "color" => put(&mut entry.color, Color::from_word(value), Role::Color)?,
+        "shade" => {
+            entry.roles.insert(Role::Color);
+            put(&mut entry.color, Color::from_word(value), Role::Shade)?
+        }
         "worn" => put(&mut entry.worn, condition(value).map(Box::new), Role::Worn)?,
         "garment" => put(&mut entry.garment, garment(value), Role::Garment)?,
         "word" => Role::from_word(value)?,

@@ -187,6 +187,52 @@ roles! {
     Plural = "plural",
     /// A singular noun or verb.
     Singular = "singular",
+    /// "uh": dropped wherever it stands.
+    Noise = "noise",
+    /// "dark": before a colour, or a colour word that is read as another.
+    Shade = "shade",
+    /// "coloured" behind a colour.
+    Coloured = "coloured",
+    /// "colour": of a garment, where a question asks for it.
+    Colour = "colour",
+    /// "all", "entirely" before a colour: of everything that is worn.
+    Wholly = "wholly",
+    /// "on" behind what is worn.
+    On = "on",
+    /// "something": any garment, with a colour.
+    Something = "something",
+    /// Describes what can be looked at, without a table for it.
+    Looks = "looks",
+    /// A deed that can be looked at, without a table for it.
+    Deed = "deed",
+    /// A part of the body, which only a longer description says something with.
+    Body = "body",
+    /// "other", "else": none of those spoken of before.
+    Other = "other",
+    /// A room or place that no scene graph holds.
+    Room = "room",
+    /// "most of".
+    Most = "most-of",
+    /// "half of".
+    Half = "half-of",
+    /// "neither of", "none of the".
+    NoneOf = "none-of",
+    /// "#", "number": before the number of a thing.
+    IdMark = "id",
+    /// "point of view".
+    View = "view",
+    /// "from where I am": as the robot sees it.
+    RobotView = "robot-view",
+    /// "right?" behind a statement.
+    Tag = "tag",
+    /// A verb that tells the robot to do something.
+    Command = "command",
+    /// "say": what is to be said follows.
+    Speech = "speech",
+    /// "apart".
+    Apart = "apart",
+    /// "by" of a passive.
+    By = "by",
     /// A common word without a role in questions.
     Common = "common",
 }

@@ -14,7 +14,7 @@ struct Step {
 }
 
 /// Slots of the tables of words and of steps: a power of two well above the number of either.
-const SLOTS: usize = 8192;
+const SLOTS: usize = 16384;
 
 /// The first number of the nodes behind a second or later word of a phrase.
 const FURTHER: u16 = 1 << 15;

@@ -13,6 +13,8 @@ mod cursor;
 mod error;
 mod read;
 mod token;
+mod told;
+mod words;
 mod write;
 
 pub use error::NotationError;

@@ -1,19 +1,19 @@
 //! Reads the notation.
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Phrase, Pick, Place, Property, Quantity, Related,
-    RelationKind, Slot, Task, Viewpoint,
+    Category, Compared, Interval, Measure, Measures, Nearer, Order, Phrase, Pick, Place, Property,
+    Quantity, Related, RelationKind, Slot, Task, Viewpoint,
 };
-use jrdb_types::vocab::{Elevation, PairWord, Sector};
+use jrdb_types::vocab::PairWord;
 use jrdb_types::{
-    Attribute, AttributeNotation, AttributeValue, Condition, Direction, DistanceWord, Pattern,
-    Query,
+    Attribute, AttributeNotation, AttributeValue, Condition, DistanceWord, Pattern, Query,
 };
 
 use super::cursor::{Read, Reader};
 use super::error::NotationError;
 use super::keyword;
 use super::token::Kind;
+use super::words::{attribute, direction};
 
 /// Reads a query in the notation. Its `text` is the notation itself.
 ///
@@ -30,25 +30,46 @@ pub fn read(text: &str) -> Result<Query, NotationError> {
     let mut reader = Reader::new(text);
     let mut task = reader.task()?;
     let target = reader.pattern()?;
-    if let Task::CompareCounts { than, .. } = &mut task {
-        reader.expect("than")?;
-        **than = reader.pattern()?;
+    match &mut task {
+        Task::CompareCounts { than, .. } => {
+            reader.expect("than")?;
+            **than = reader.pattern()?;
+        }
+        Task::From { partner, .. } => {
+            reader.expect("from")?;
+            **partner = reader.pattern()?;
+        }
+        _ => {}
     }
     let mut slots = Vec::new();
     while reader.takes("slot") {
         slots.push(reader.slot()?);
     }
+    let command = if reader.takes("command") { Some(reader.command()?) } else { None };
     match reader.peek() {
-        None => Ok(Query { text: text.into(), task, target, slots, issues: Vec::new() }),
+        None => Ok(Query { text: text.into(), task, target, command, slots, issues: Vec::new() }),
         Some(_) => Err(reader.wanted("the end")),
     }
 }
 
 impl Reader<'_> {
     fn task(&mut self) -> Read<Task> {
-        let words = ["find", "count", "where", "exists", "which", "more", "fewer"];
-        let Some(word) = words.into_iter().find(|word| self.is(word)) else {
-            return Err(self.wanted("find, count, exists, which, where, more or fewer"));
+        const WORDS: [&str; 12] = [
+            "find",
+            "count",
+            "where",
+            "exists",
+            "which",
+            "more",
+            "fewer",
+            "each",
+            "choice",
+            "distance",
+            "direction",
+            "groups",
+        ];
+        let Some(word) = WORDS.into_iter().find(|word| self.is(word)) else {
+            return Err(self.wanted(&WORDS.join(", ")));
         };
         self.at += 1;
         Ok(match word {
@@ -57,6 +78,21 @@ impl Reader<'_> {
             "where" => Task::Where,
             "exists" => Task::Exists(self.quantity()?),
             "which" => self.which()?,
+            "groups" => Task::Groups,
+            "each" => self.each()?,
+            "choice" => {
+                self.expect("[")?;
+                let options = self.conditions("]")?;
+                self.expect("of")?;
+                Task::Choice { options }
+            }
+            "distance" | "direction" => {
+                let is_far = word == "distance";
+                let property = if is_far { Property::Distance } else { Property::Direction };
+                self.expect("of")?;
+                // The other end follows the target.
+                Task::From { property, partner: Box::default() }
+            }
             _ => {
                 let order = if word == "more" { Order::Most } else { Order::Least };
                 // What they are compared with follows the target.
@@ -129,7 +165,7 @@ impl Reader<'_> {
     }
 
     /// Conditions up to a closing bracket.
-    fn conditions(&mut self, close: &str) -> Read<Vec<Condition>> {
+    pub(super) fn conditions(&mut self, close: &str) -> Read<Vec<Condition>> {
         let mut conditions = vec![self.condition()?];
         while self.takes(",") {
             conditions.push(self.condition()?);
@@ -152,6 +188,26 @@ impl Reader<'_> {
         if self.takes("phrase") {
             let words = self.quoted().ok_or_else(|| self.wanted("quoted words"))?;
             return Ok(Condition::Phrase(Phrase { words, span: None }));
+        }
+        if self.takes("looks") {
+            let words = self.quoted().ok_or_else(|| self.wanted("quoted words"))?;
+            return Ok(Condition::Looks(Phrase { words, span: None }));
+        }
+        if self.takes("#") {
+            return Ok(Condition::Id(self.whole()?));
+        }
+        if self.takes("nearer") {
+            self.expect("to")?;
+            let to = Box::new(self.pattern()?);
+            self.expect("than")?;
+            self.expect("to")?;
+            return Ok(Condition::Nearer(Nearer { to, than: Box::new(self.pattern()?) }));
+        }
+        if let Some(measure) = self.measured() {
+            let min = self.number();
+            self.expect("..")?;
+            let within = Interval { min, max: self.number() };
+            return Ok(Condition::Measures(Measures { measure, within }));
         }
         if self.takes("is") {
             return Ok(Condition::Is(Box::new(self.pattern()?)));
@@ -219,6 +275,15 @@ impl Reader<'_> {
             }
         }
         Ok(None)
+    }
+
+    /// What bounds can be asked of.
+    fn measured(&mut self) -> Option<Measure> {
+        match () {
+            () if self.takes("height") => Some(Measure::Height),
+            () if self.takes("speed") => Some(Measure::Speed),
+            () => None,
+        }
     }
 
     fn compared(&mut self, order: Order) -> Read<Condition> {
@@ -324,19 +389,4 @@ impl Reader<'_> {
         let conditions = if self.takes("}") { Vec::new() } else { self.conditions("}")? };
         Ok(Slot { during_s, conditions })
     }
-}
-
-fn attribute(word: &str) -> Option<Condition> {
-    let is_bare = |a: &&Attribute| a.row().notation == AttributeNotation::Word;
-    let mut bare = Attribute::ALL.iter().filter(is_bare);
-    bare.find_map(|attribute| attribute.value(word)).map(Condition::Attribute)
-}
-
-fn direction(words: &str) -> Option<Direction> {
-    let level = || Sector::from_word(words).map(Direction::level);
-    level().or_else(|| {
-        let (elevation, sector) = words.split_once(' ')?;
-        let elevation = Elevation::from_word(elevation)?;
-        Some(Direction { sector: Sector::from_word(sector)?, elevation })
-    })
 }

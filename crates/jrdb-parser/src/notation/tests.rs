@@ -23,6 +23,18 @@ fn every_construct_is_written_as_it_is_read() {
         "find person[distance=very close, direction=up front left, metres ..3, metres 2..4.5, metres 1.., degrees -60+-15]",
         "find person[at direction=left & at distance=close: person[child]]",
         "find person[has direction=right: >=2 person, seen direction=front: \"table\"]",
+        "find person[looks \"striped shirt\", #4, height 1.8.., speed ..0.5, nearer to robot than to \"door\"]",
+        "each all [sitting, not male] of person[female]",
+        "each none [walking] of person",
+        "each most [walking] of person",
+        "each half [walking] of person",
+        "choice [male, female] of person[#3]",
+        "distance of person from \"table\"",
+        "direction of person[male] from person[female]",
+        "groups person[group >=2]",
+        "find person[male] command \"follow\"",
+        "find person command \"take\" \"this\" to \"the kitchen\"",
+        "which height, speed, facing of person",
         "find person[next to: robot, in front of: person, facing each other: 2..3 person]",
         "find person[does \"walking together\": person, between robot: \"door\", with: =0 \"bag\"]",
         "find person[not sitting, (sitting or standing), (not male and child), group =1, group <=3, group 2..4]",
@@ -49,7 +61,10 @@ fn who_is_more_comes_first() {
 #[test]
 fn errors_say_where_and_what_was_expected() {
     let cases = [
-        ("", "expected find, count, exists, which, where, more or fewer, found the end at byte 0"),
+        (
+            "",
+            "expected find, count, where, exists, which, more, fewer, each, choice, distance, direction, groups, found the end at byte 0",
+        ),
         (
             "find persn",
             "expected person, object, thing, robot or a quoted class, found \"persn\" at byte 5",

@@ -24,8 +24,8 @@ pub(super) struct Token {
 }
 
 /// Marks, each before its own prefixes.
-const MARKS: [&str; 14] =
-    [">=", "<=", "..", "+-", "=", "[", "]", "{", "}", "(", ")", ",", ":", "&"];
+const MARKS: [&str; 15] =
+    [">=", "<=", "..", "+-", "=", "[", "]", "{", "}", "(", ")", ",", ":", "&", "#"];
 
 /// Splits a text; blanks separate.
 pub(super) fn tokenize(text: &str) -> Vec<Token> {

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use jrdb_types::query::{
-    Category, Compared, Interval, Measure, Order, Pick, Place, Quantity, Related, RelationKind,
-    Slot, Task, Viewpoint,
+    Category, Command, Compared, Interval, Measure, Nearer, Order, Pick, Place, Quantity, Related,
+    RelationKind, Share, Slot, Task, Viewpoint,
 };
 use jrdb_types::{AttributeNotation, Condition, Pattern, Query};
 
@@ -23,12 +23,22 @@ pub fn write(query: &Query) -> String {
     let mut text = String::new();
     task(&mut text, &query.task);
     pattern(&mut text, &query.target);
-    if let Task::CompareCounts { than, .. } = &query.task {
-        text.push_str(" than ");
-        pattern(&mut text, than);
+    match &query.task {
+        Task::CompareCounts { than, .. } => {
+            text.push_str(" than ");
+            pattern(&mut text, than);
+        }
+        Task::From { partner, .. } => {
+            text.push_str(" from ");
+            pattern(&mut text, partner);
+        }
+        _ => {}
     }
     for each in &query.slots {
         slot(&mut text, each);
+    }
+    if let Some(told) = &query.command {
+        command(&mut text, told);
     }
     text
 }
@@ -52,6 +62,24 @@ fn task(text: &mut String, task: &Task) {
             let order = if *in_order { " in order" } else { "" };
             put!(text, "which {}{order} of ", names.join(", "));
         }
+        Task::Each { share, asked } => {
+            let share = match share {
+                Share::All => "all",
+                Share::None => "none",
+                Share::Most => "most",
+                Share::Half => "half",
+            };
+            put!(text, "each {share} [");
+            list(text, asked, ", ");
+            text.push_str("] of ");
+        }
+        Task::Choice { options } => {
+            text.push_str("choice [");
+            list(text, options, ", ");
+            text.push_str("] of ");
+        }
+        Task::From { property, .. } => put!(text, "{} of ", keyword(*property)),
+        Task::Groups => text.push_str("groups "),
         Task::CompareCounts { order, .. } => {
             put!(text, "{} ", if *order == Order::Most { "more" } else { "fewer" });
         }
@@ -154,6 +182,22 @@ fn condition(text: &mut String, condition: &Condition) {
         }
         Condition::Related(related) => self::related(text, related),
         Condition::Compared(compared) => self::compared(text, compared),
+        Condition::Measures(measured) => {
+            measure(text, &measured.measure);
+            text.push(' ');
+            stretch(text, &measured.within);
+        }
+        Condition::Nearer(Nearer { to, than }) => {
+            text.push_str("nearer to ");
+            pattern(text, to);
+            text.push_str(" than to ");
+            pattern(text, than);
+        }
+        Condition::Looks(phrase) => {
+            text.push_str("looks ");
+            quoted(text, &phrase.words);
+        }
+        Condition::Id(number) => put!(text, "#{number}"),
         Condition::Phrase(phrase) => {
             text.push_str("phrase ");
             quoted(text, &phrase.words);
@@ -237,6 +281,19 @@ fn compared(text: &mut String, compared: &Compared) {
     measure(text, &compared.measure);
     text.push_str(" than ");
     pattern(text, &compared.than);
+}
+
+fn command(text: &mut String, command: &Command) {
+    text.push_str(" command ");
+    quoted(text, &command.verb);
+    if let Some(object) = &command.object {
+        text.push(' ');
+        quoted(text, object);
+    }
+    if let Some(destination) = &command.destination {
+        text.push_str(" to ");
+        quoted(text, destination);
+    }
 }
 
 fn slot(text: &mut String, slot: &Slot) {

@@ -56,10 +56,13 @@ impl Reach {
                 let parts = parts.iter().map(|part| Self::of_condition(part, all_placed));
                 parts.max().unwrap_or(Self::Nothing)
             }
-            Condition::GroupSize(_) => Self::Everything,
-            Condition::Attribute(_) | Condition::FromRobot(_) | Condition::Phrase(_) => {
-                Self::Nothing
-            }
+            Condition::GroupSize(_) | Condition::Nearer(_) => Self::Everything,
+            Condition::Attribute(_)
+            | Condition::FromRobot(_)
+            | Condition::Measures(_)
+            | Condition::Looks(_)
+            | Condition::Id(_)
+            | Condition::Phrase(_) => Self::Nothing,
         }
     }
 

@@ -179,6 +179,10 @@ impl<'g> World<'g> {
             Condition::GroupSize(quantity) => Some(quantity.holds(self.group_size(thing)?)),
             Condition::Related(related) => self.related(thing, related),
             Condition::Compared(compared) => self.compared(thing, compared),
+            Condition::Measures(_)
+            | Condition::Nearer(_)
+            | Condition::Looks(_)
+            | Condition::Id(_) => None,
             Condition::Phrase(_) => None,
             Condition::Is(pattern) => self.matches(pattern)[thing],
             Condition::Not(inner) => not(self.condition(thing, inner)),

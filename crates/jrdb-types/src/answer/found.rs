@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::attribute::AttributeValue;
 use crate::entity::SpatialRelation;
 use crate::id::EntityId;
-use crate::query::Property;
+use crate::query::{Condition, Property};
 use crate::vocab::{Direction, DistanceWord};
 
 /// How far something is, as a word, a number, or both.
@@ -59,6 +59,17 @@ impl DirectionFound {
     }
 }
 
+/// Which way something faces.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct HeadingFound {
+    /// In the base frame, degrees counter-clockwise from the robot's own heading, in (-180, 180].
+    pub degrees: f64,
+    /// The angle to the robot, degrees in [0, 180]: 0 faces the robot; absent without a place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub off_robot: Option<f64>,
+}
+
 /// The nearest thing to something.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -85,6 +96,14 @@ pub enum PropertyValue {
     },
     /// Class name.
     Category(String),
+    /// How tall it is, metres.
+    Height(f64),
+    /// How fast it moves, metres per second.
+    Speed(f64),
+    /// Which way it faces.
+    Heading(HeadingFound),
+    /// The alternative that holds of it.
+    Option(Condition),
     /// How far it is from the robot.
     Distance(DistanceFound),
     /// In which direction it is, seen from the robot.
@@ -145,7 +164,13 @@ impl PropertyValue {
                     .clone()
                     .map(|near| Landmark { metres: tenths(near.metres), ..near }),
             },
-            Self::Category(_) | Self::Interaction { .. } => self.clone(),
+            Self::Height(metres) => Self::Height(tenths(*metres)),
+            Self::Speed(speed) => Self::Speed(tenths(*speed)),
+            Self::Heading(found) => {
+                let off_robot = found.off_robot.map(f64::round);
+                Self::Heading(HeadingFound { degrees: found.degrees.round(), off_robot })
+            }
+            Self::Category(_) | Self::Option(_) | Self::Interaction { .. } => self.clone(),
         }
     }
 }

@@ -9,8 +9,21 @@ use super::{Condition, Property};
 use crate::attribute::{Attribute, ValueOf, unknown};
 
 /// Names of the conditions that are no attributes.
-const CONDITIONS: [&str; 9] =
-    ["from_robot", "group_size", "related", "compared", "phrase", "is", "not", "any", "all"];
+const CONDITIONS: [&str; 13] = [
+    "from_robot",
+    "group_size",
+    "related",
+    "compared",
+    "nearer",
+    "measures",
+    "looks",
+    "id",
+    "phrase",
+    "is",
+    "not",
+    "any",
+    "all",
+];
 
 impl<'de> Deserialize<'de> for Condition {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
@@ -37,6 +50,10 @@ impl<'de> Visitor<'de> for ConditionVisitor {
             "group_size" => content.newtype_variant().map(Condition::GroupSize),
             "related" => content.newtype_variant().map(Condition::Related),
             "compared" => content.newtype_variant().map(Condition::Compared),
+            "nearer" => content.newtype_variant().map(Condition::Nearer),
+            "measures" => content.newtype_variant().map(Condition::Measures),
+            "looks" => content.newtype_variant().map(Condition::Looks),
+            "id" => content.newtype_variant().map(Condition::Id),
             "phrase" => content.newtype_variant().map(Condition::Phrase),
             "is" => content.newtype_variant().map(Condition::Is),
             "not" => content.newtype_variant().map(Condition::Not),
@@ -48,7 +65,7 @@ impl<'de> Visitor<'de> for ConditionVisitor {
 }
 
 /// The properties that are no attributes, with their names.
-const PROPERTIES: [(Property, &str); 7] = [
+const PROPERTIES: [(Property, &str); 10] = [
     (Property::Distance, "distance"),
     (Property::Direction, "direction"),
     (Property::SocialInteraction, "social_interaction"),
@@ -56,6 +73,9 @@ const PROPERTIES: [(Property, &str); 7] = [
     (Property::ObjectInteraction, "object_interaction"),
     (Property::ObjectsAround, "objects_around"),
     (Property::Category, "category"),
+    (Property::Height, "height"),
+    (Property::Speed, "speed"),
+    (Property::Facing, "facing"),
 ];
 
 impl Property {

@@ -1,6 +1,6 @@
 //! Superlatives and ordinals.
 
-use jrdb_types::query::{Order, Pick};
+use jrdb_types::query::{Category, Measure, Order, Pick};
 
 use super::{Truth, World};
 
@@ -19,11 +19,22 @@ impl World<'_> {
             let first = pick.rank.max(1) as usize - 1;
             count >= first && count < first + pick.count as usize
         };
+        let references = match &pick.measure {
+            Measure::DistanceTo(pattern) if pattern.category != Category::Robot => {
+                self.matches(pattern)
+            }
+            _ => vec![Some(false); held.len()],
+        };
+        // Nothing is near itself.
+        let is_itself = |n: usize| measures[n].is_none() && references[n] == Some(true);
         let truth = |thing: usize| {
-            if held[thing] == Some(false) || pick.count == 0 {
+            if held[thing] == Some(false) || pick.count == 0 || is_itself(thing) {
                 return Some(false);
             }
-            let others = || self.others(thing).filter(|other| held[*other] != Some(false));
+            let others = || {
+                let may = |other: &usize| held[*other] != Some(false) && !is_itself(*other);
+                self.others(thing).filter(may)
+            };
             let surely =
                 |other: &usize| before(*other, thing) == Some(true) && held[*other] == Some(true);
             let sure = others().filter(surely).count();
