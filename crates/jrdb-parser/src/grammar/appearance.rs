@@ -131,7 +131,7 @@ impl Parser<'_> {
     }
 
     /// The end of "the old lady" behind such a verb.
-    fn named_object_end(&self, at: usize) -> usize {
+    pub(crate) fn named_object_end(&self, at: usize) -> usize {
         const BEFORE: Roles = Roles::of(&[
             Role::The,
             Role::A,

@@ -88,7 +88,7 @@ impl Parser<'_> {
 
     /// Whether a verb of a command stands behind a joint.
     fn begins_action(&self, at: usize) -> bool {
-        const VERBS: Roles = Roles::of(&[Role::Command, Role::Find]);
+        const VERBS: Roles = Roles::of(&[Role::Command, Role::Find, Role::Count]);
         const FIRM: Roles = Roles::of(&[Role::Comma, Role::Then]);
         let joint = self.joint_before(at);
         let is_joined = (joint..at)

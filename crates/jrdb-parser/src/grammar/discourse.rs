@@ -90,7 +90,8 @@ impl<'t> Parser<'t> {
     /// what was just named ("the man with the cart, is he behind me?").
     fn ends_before(&self, all: &[Token], at: usize) -> bool {
         let between = self.text.get(all[at - 1].end..all[at].start).unwrap_or_default();
-        between.contains(['.', '?', '!']) || self.is_resumed_at(all, at)
+        let ends = |byte: &u8| matches!(byte, b'.' | b'?' | b'!');
+        between.as_bytes().iter().any(ends) || self.is_resumed_at(all, at)
     }
 
     fn is_resumed_at(&self, all: &[Token], at: usize) -> bool {

@@ -43,6 +43,10 @@ impl Parser<'_> {
             return false;
         }
         self.bump();
+        if let Some(end) = self.end_of_gesture(at) {
+            self.push_looks(pattern, at, end);
+            return true;
+        }
         if let Some(label) = &entry.people
             && self.with_partners(pattern, entry, label)
         {
@@ -65,6 +69,26 @@ impl Parser<'_> {
             self.bare_interaction(pattern, label, at);
         }
         true
+    }
+
+    /// Behind "pointing to the left" or "pointing at the door": a gesture, which says neither where
+    /// somebody is nor what somebody does with others.
+    fn end_of_gesture(&self, verb: usize) -> Option<usize> {
+        const TO: Roles = Roles::of(&[Role::To, Role::At, Role::Towards]);
+        const ARTICLES: Roles = Roles::of(&[Role::The, Role::His, Role::A]);
+        if !self.word(verb).starts_with("point") {
+            return None;
+        }
+        let named = self.next_not_in(verb + 1, TO);
+        let side = self.next_not_in(named, ARTICLES);
+        let is_side = self.is_at(side, Role::Sector);
+        let is_of_thing = self.is_at(side + 1, Role::Of) || self.is_at(side + 1, Role::Noun);
+        if is_side && !is_of_thing {
+            return Some(side + 1);
+        }
+        let is_at_thing = named > verb + 1 && !(is_side && self.is_at(side + 1, Role::Of));
+        let end = is_at_thing.then(|| self.named_object_end(named))?;
+        (end > named).then_some(end)
     }
 
     /// "chatting" without a partner: with any person.

@@ -203,6 +203,10 @@ impl Parser<'_> {
         if start > self.state.at + 2 || !has_name || is_negated {
             return false;
         }
+        if let Some(end) = self.end_of_seen_relative(start) {
+            self.push_looks(pattern, start, end);
+            return true;
+        }
         if !is_plain && !self.is_described_doer_at(start) {
             return false;
         }
@@ -219,6 +223,25 @@ impl Parser<'_> {
             None => self.rewind(checkpoint),
         }
         self.state.at > start
+    }
+
+    /// Behind "the woman is holding hands with": a clause whose verb no table holds and that ends
+    /// with a preposition. None if the clause is another one.
+    fn end_of_seen_relative(&self, start: usize) -> Option<usize> {
+        const REACH: usize = 6;
+        const VERBS: Roles = Roles::of(&[Role::Looks, Role::Unknown]);
+        let noun = self.noun_at(self.next_not_in(start, Roles::of(&[Role::The, Role::A])))?;
+        let verb = noun + 2;
+        let is_person = self.entry_at(noun).category == Some(Category::Person);
+        let is_verb = self.roles_at(verb).has_any(VERBS) && self.word(verb).contains("ing");
+        if !is_person || !self.is_at(noun + 1, Role::Is) || !is_verb {
+            return None;
+        }
+        let ends = |at: &usize| {
+            let is_last = *at >= self.state.tokens.len() || self.roles_at(*at).has_any(CLAUSE_ENDS);
+            is_last && self.roles_at(at - 1).has_any(Roles::of(&[Role::With, Role::To, Role::At]))
+        };
+        (verb + 1..=verb + REACH).find(ends)
     }
 
     /// Whether a plain noun and its verb stand at a position.
