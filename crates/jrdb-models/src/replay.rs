@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use jrdb_perception::exchange::{self, Exchange, replay};
-use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
-use jrdb_types::{Capabilities, Detections, FrameId};
+use jrdb_perception::exchange_phrase::phrase_probability;
+use jrdb_perception::{
+    AttributeModel, Grounder, Perceive, PerceptionError, PhraseModel, Subject, View,
+};
+use jrdb_types::{Capabilities, Detections, FrameId, Vocabulary};
 
 use crate::Error;
 
@@ -56,5 +59,31 @@ impl Perceive for Replay {
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
         None
+    }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
+        self.lines.iter().any(|line| line.request.looks.is_some()).then_some(self)
+    }
+}
+
+impl PhraseModel for Replay {
+    fn weigh(
+        &self,
+        subject: &Subject<'_>,
+        phrases: &[&str],
+    ) -> Result<Vec<Option<f64>>, PerceptionError> {
+        let Subject { frame, view, detection } = *subject;
+        let told = |phrase: &&str| {
+            phrase_probability(&self.lines, frame, view.geometry, detection, phrase)
+        };
+        Ok(phrases.iter().map(told).collect())
+    }
+
+    fn phrases(&self) -> Vocabulary<String> {
+        self.lines.iter().filter_map(|line| line.request.looks.clone()).collect()
+    }
+
+    fn source(&self) -> String {
+        "replay".into()
     }
 }

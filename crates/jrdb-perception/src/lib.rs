@@ -3,6 +3,7 @@
 pub mod detector;
 pub mod engine;
 pub mod exchange;
+pub mod exchange_phrase;
 #[cfg(test)]
 mod fixed;
 #[cfg(feature = "vlm")]
@@ -16,6 +17,7 @@ mod json;
 pub mod light;
 mod numbered;
 pub mod perceive;
+pub mod phrase;
 pub mod prompts;
 pub mod tiling;
 #[cfg(feature = "vlm")]
@@ -35,3 +37,4 @@ pub use light::{
     PairConfig, PairDetector, SsdLite, SsdLiteConfig,
 };
 pub use perceive::{KnownDetections, Models, Perceive, View};
+pub use phrase::{PhraseModel, Subject};

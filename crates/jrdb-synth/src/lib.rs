@@ -2,6 +2,7 @@
 
 mod cast;
 mod config;
+mod feature;
 mod furniture;
 mod labels;
 mod lidar;
@@ -36,9 +37,10 @@ use random::Random;
 use room::Room;
 
 pub use config::SynthConfig;
+pub use feature::{Feature, with_looks};
 pub use robot::calibration;
 pub use room::Setting;
-pub use training::{Practice, TILE_PX, practice};
+pub use training::{Practice, TILE_PX, practice, practice_with_looks};
 pub use view::{InTile, Seen, View};
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
@@ -99,9 +101,10 @@ pub fn generate(config: &SynthConfig) -> World {
     let config = SynthConfig { people: config.people.min(PEOPLE_MAX), ..config.clone() };
     let room = Room::new(config.setting, &mut Random::stream(config.seed, 1));
     let path_seconds = seconds(config.frames.saturating_sub(1));
-    let cast = cast::cast(&config, &room, path_seconds);
+    let mut cast = cast::cast(&config, &room, path_seconds);
+    let looks = feature::dress(&mut cast, &config.looks);
     let headwear = headwear(&cast, &config.headwear);
-    World { config: SynthConfig { headwear, ..config }, room, cast }
+    World { config: SynthConfig { headwear, looks, ..config }, room, cast }
 }
 
 /// What each person wears on the head: as listed, then as drawn.
@@ -198,7 +201,9 @@ impl World {
             let drawn = picture.drawn.iter().find(|drawn| drawn.id == subject.id())?;
             let mut attributes = labels::attributes(person);
             attributes.facing = Belief::certain(paint::facing_of(pose));
-            Some(Seen { instance, pixels: drawn.pixels, bbox: drawn.bbox, attributes })
+            let (pixels, bbox) = (drawn.pixels, drawn.bbox);
+            let features = person.features.iter().copied().collect();
+            Some(Seen { instance, pixels, bbox, attributes, features })
         };
         let people = (1..).zip(&subjects).filter_map(seen).collect();
         View { image: picture.image, instances: picture.instances, people }

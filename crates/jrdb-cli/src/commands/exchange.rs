@@ -12,10 +12,13 @@ use jrdb_cli::source::{FrameSource, list_frames};
 use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
 use jrdb_perception::exchange::{Exchange, FIND, Request};
+use jrdb_perception::exchange_phrase::ask_phrase;
 use jrdb_perception::image::crop;
 use jrdb_perception::prompts::Topic;
+use jrdb_perception::{Perceive, PerceptionError, Subject, View};
 use jrdb_pipeline::Pipeline;
-use jrdb_types::{FrameId, Image};
+use jrdb_types::detection::PERSON;
+use jrdb_types::{Detection, Detections, FrameId, Image};
 
 use super::args::{PerceptionArgs, SourceArgs};
 use super::print::say;
@@ -32,6 +35,9 @@ pub(crate) struct ExchangeArgs {
     /// Ask for people and things, too, instead of taking those of --perception
     #[arg(long)]
     find: bool,
+    /// Ask of every person whether this phrase is true, "striped shirt" say; may be repeated
+    #[arg(long, value_name = "PHRASE", conflicts_with = "find")]
+    looks: Vec<String>,
     /// A crop is larger than its box by this part of it on each side
     #[arg(long, default_value_t = 0.1, value_name = "PART")]
     margin: f64,
@@ -79,6 +85,7 @@ fn find(frame: &FrameSource, out: &Path) -> Result<Vec<Exchange>, Error> {
         image: Some(name),
         bbox: None,
         topic: None,
+        looks: None,
         prompt: FIND.into(),
         labels: Vec::new(),
     };
@@ -95,6 +102,7 @@ fn of(
     let read = frame.image_only();
     let detections = Pipeline::sharing(robot, shared, Arc::default()).perceive(&read)?;
     let mut lines = Exchange::record(&detections, &Topic::ALL);
+    lines.extend(looks(&detections, read.pixels(), perception, &args.looks)?);
     let Some(image) = read.pixels() else { return Ok(lines) };
     let mut last = None;
     let mut number = 0;
@@ -110,6 +118,30 @@ fn of(
         }
     }
     Ok(lines)
+}
+
+/// Asks whether phrases are true of the people, with the answers of perception that can be asked.
+fn looks(
+    detections: &Detections,
+    image: Option<&Image>,
+    perception: &Perception,
+    phrases: &[String],
+) -> Result<Vec<Exchange>, Error> {
+    let phrases: Vec<&str> = phrases.iter().map(String::as_str).collect();
+    let (frame, view) = (&detections.frame, View { geometry: detections.image, image });
+    let people = detections.detections.iter().filter(|one| one.category == PERSON);
+    let about = |detection: &Detection| {
+        let subject = Subject { frame, view, detection };
+        let told = match perception.phrase_model() {
+            Some(model) => model.weigh(&subject, &phrases)?,
+            None => vec![None; phrases.len()],
+        };
+        let lines = phrases.iter().zip(told);
+        Ok(lines
+            .filter_map(|(phrase, told)| ask_phrase(frame, detection, phrase, told))
+            .collect::<Vec<_>>())
+    };
+    Ok(people.map(about).collect::<Result<Vec<_>, PerceptionError>>()?.concat())
 }
 
 fn stem(frame: &FrameId) -> String {

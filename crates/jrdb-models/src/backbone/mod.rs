@@ -22,7 +22,7 @@ use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
 use jrdb_perception::{
-    AttributeModel, Detector, Engine, Grounder, Models, PerceptionError, SsdLiteConfig,
+    AttributeModel, Detector, Engine, Grounder, Models, PerceptionError, PhraseModel, SsdLiteConfig,
 };
 use serde::Deserialize;
 
@@ -181,7 +181,8 @@ impl Backbone {
         let attributes = self.attributes.as_ref();
         let attributes =
             attributes.map(|files| files.open(folder, &loader, options.demographics, &mut notes));
-        let (attributes, attribute_config) = attributes.transpose()?.unzip();
+        let (describing, attribute_config) = attributes.transpose()?.unzip();
+        let Describing { attributes, phrases } = describing.unwrap_or_default();
         let config = serde_json::json!({
             "perception": name,
             "about": self.about,
@@ -190,13 +191,20 @@ impl Backbone {
         });
         notes.extend(loader.warnings());
         let categories = self.categories.as_ref().map(|all| all.iter().cloned().collect());
-        let models = Models { detector, attributes, grounder, categories, config };
+        let models = Models { detector, attributes, grounder, phrases, categories, config };
         Ok(Opened { models, notes })
     }
 }
 
 type OpenDetector = (Arc<dyn Detector>, Option<Arc<dyn Grounder>>);
-type OpenAttributes = (Arc<dyn AttributeModel>, serde_json::Value);
+type OpenAttributes = (Describing, serde_json::Value);
+
+/// What describes people, and what judges phrases.
+#[derive(Default)]
+struct Describing {
+    attributes: Option<Arc<dyn AttributeModel>>,
+    phrases: Option<Arc<dyn PhraseModel>>,
+}
 
 impl DetectorFiles {
     fn open(&self, models: &Path, loader: &Loader) -> Result<OpenDetector, Error> {
@@ -237,13 +245,13 @@ impl AttributeFiles {
             Self::Appearance(files) => {
                 let model = light::appearance(files, models, loader, demographics, notes)?;
                 let config = model.config();
-                return Ok((model, config));
+                return Ok((Describing { attributes: Some(model), phrases: None }, config));
             }
         };
         let folder = Folder::new(models, graphs);
         let model = VlmAttributes::new(vlm, family, settings.clone()).map_err(folder.refused())?;
-        let config = model.config();
-        Ok((Arc::new(model), config))
+        let (config, model) = (model.config(), Arc::new(model));
+        Ok((Describing { attributes: Some(model.clone()), phrases: Some(model) }, config))
     }
 }
 
