@@ -20,6 +20,7 @@ pub mod perceive;
 pub mod phrase;
 pub mod prompts;
 pub mod tiling;
+mod view;
 #[cfg(feature = "vlm")]
 pub mod vlm;
 
@@ -36,5 +37,6 @@ pub use light::{
     Appearance, AppearanceConfig, Face, FaceFinder, FaceModels, FaceReader, NanoDet, NanoDetConfig,
     PairConfig, PairDetector, SsdLite, SsdLiteConfig,
 };
-pub use perceive::{KnownDetections, Models, Perceive, View};
+pub use perceive::{KnownDetections, Models, Perceive};
 pub use phrase::{PhraseModel, Subject};
+pub use view::View;

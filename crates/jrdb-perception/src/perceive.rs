@@ -13,15 +13,7 @@ use rayon::prelude::*;
 
 use crate::detector::{AttributeModel, Detector, Grounder, PerceptionError};
 use crate::phrase::PhraseModel;
-
-/// One camera's view of a frame.
-#[derive(Debug, Clone, Copy)]
-pub struct View<'a> {
-    /// Size of the camera's images and whether they wrap.
-    pub geometry: ImageGeometry,
-    /// The pixels; absent when they cannot be read, or when perception does not look at them.
-    pub image: Option<&'a Image>,
-}
+use crate::view::View;
 
 /// A source of detections: labels, files, recorded replies or models.
 pub trait Perceive: Send + Sync {

@@ -3,7 +3,7 @@
 use jrdb_types::{Detection, FrameId, Vocabulary};
 
 use crate::detector::PerceptionError;
-use crate::perceive::View;
+use crate::view::View;
 
 /// A detection that phrases are asked about, and where it was seen.
 #[derive(Debug, Clone, Copy)]

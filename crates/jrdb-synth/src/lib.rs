@@ -2,6 +2,7 @@
 
 mod cast;
 mod config;
+mod dress;
 mod feature;
 mod furniture;
 mod labels;
@@ -37,7 +38,7 @@ use random::Random;
 use room::Room;
 
 pub use config::SynthConfig;
-pub use feature::{Feature, with_looks};
+pub use feature::Feature;
 pub use robot::calibration;
 pub use room::Setting;
 pub use training::{Practice, TILE_PX, practice, practice_with_looks};
@@ -102,9 +103,27 @@ pub fn generate(config: &SynthConfig) -> World {
     let room = Room::new(config.setting, &mut Random::stream(config.seed, 1));
     let path_seconds = seconds(config.frames.saturating_sub(1));
     let mut cast = cast::cast(&config, &room, path_seconds);
-    let looks = feature::dress(&mut cast, &config.looks);
+    let looks = dress::dress(&mut cast, &config.looks);
     let headwear = headwear(&cast, &config.headwear);
     World { config: SynthConfig { headwear, looks, ..config }, room, cast }
+}
+
+/// The configuration with looks dealt to everybody. The same configuration gives the same looks.
+///
+/// ```
+/// use jrdb_synth::{SynthConfig, generate, with_looks};
+/// let config = with_looks(&SynthConfig::default());
+/// assert_eq!(config.looks.len(), config.people);
+/// assert_eq!(generate(&config).config().looks, config.looks);
+/// ```
+#[must_use]
+pub fn with_looks(config: &SynthConfig) -> SynthConfig {
+    let plain = generate(&SynthConfig { looks: Vec::new(), ..config.clone() });
+    let mut random = Random::stream(config.seed, 4);
+    let people = plain.cast.people.iter();
+    let looks =
+        people.map(|person| dress::deal(person, &mut random).into_iter().collect()).collect();
+    generate(&SynthConfig { looks, ..plain.config }).config
 }
 
 /// What each person wears on the head: as listed, then as drawn.
