@@ -5,7 +5,7 @@
 //! ```
 //!
 //! Ten tiles of every scene, then the whole panoramas and the attributes of everybody who was found, then phrases about the people of
-//! the same scenes with dealt looks. The models were trained on seeds below 2,000.
+//! the same scenes with dealt looks. The models were trained on seeds below 2,800.
 #![allow(clippy::print_stdout, reason = "a program prints its table")]
 
 use std::path::PathBuf;
