@@ -123,7 +123,7 @@ fn people_of_unseen_scenes_are_found_and_described() {
 
 #[test]
 fn yes_and_no_are_as_probable_as_in_the_training_framework() {
-    let golden = golden("internvl35.json");
+    let golden = golden("phrases35.json");
     let phrases: Vec<&str> =
         golden["phrases"].as_array().unwrap().iter().map(|one| one.as_str().unwrap()).collect();
     assert_eq!(phrases, Feature::ALL.map(Feature::phrase));
@@ -135,7 +135,7 @@ fn yes_and_no_are_as_probable_as_in_the_training_framework() {
     });
     let crops: Vec<_> = crops.take(expected.len()).collect();
     let backbone = Backbone::named("demo", &models()).unwrap();
-    let Some(AttributeFiles::Internvl { graphs, .. }) = &backbone.attributes else { panic!() };
+    let Some(AttributeFiles::Internvl { graphs, .. }) = &backbone.phrases else { panic!() };
     for loader in loaders() {
         let (vlm, family) = jrdb_models::backbone::internvl(graphs, &models(), &loader).unwrap();
         let asked = VlmAttributes::new(vlm, family, AttributeConfig::default()).unwrap();

@@ -56,6 +56,9 @@ pub struct Backbone {
     /// What describes people; nobody does if absent.
     #[serde(default)]
     pub attributes: Option<AttributeFiles>,
+    /// What judges phrases, where it is another model than what describes people.
+    #[serde(default)]
+    pub phrases: Option<AttributeFiles>,
 }
 
 /// A detector's files and settings.
@@ -178,17 +181,25 @@ impl Backbone {
         let loader = Loader::new(&options.engine)?;
         let mut notes = vec![format!("{name}: {}", self.about), loader.note().into()];
         let (detector, grounder) = self.detector.open(folder, &loader)?;
-        let attributes = self.attributes.as_ref();
-        let attributes =
-            attributes.map(|files| files.open(folder, &loader, options.demographics, &mut notes));
-        let (describing, attribute_config) = attributes.transpose()?.unzip();
+        let mut open = |files: &Option<AttributeFiles>| {
+            let opened = files
+                .as_ref()
+                .map(|one| one.open(folder, &loader, options.demographics, &mut notes));
+            Ok::<_, Error>(opened.transpose()?.unzip())
+        };
+        let (describing, attribute_config) = open(&self.attributes)?;
+        let (judging, phrase_config) = open(&self.phrases)?;
         let Describing { attributes, phrases } = describing.unwrap_or_default();
-        let config = serde_json::json!({
+        let phrases = judging.map_or(phrases, |judging: Describing| judging.phrases);
+        let mut config = serde_json::json!({
             "perception": name,
             "about": self.about,
             "detector": detector.config(),
             "attributes": attribute_config,
         });
+        if let Some(phrase_config) = phrase_config {
+            config["phrases"] = phrase_config;
+        }
         notes.extend(loader.warnings());
         let categories = self.categories.as_ref().map(|all| all.iter().cloned().collect());
         let models = Models { detector, attributes, grounder, phrases, categories, config };
