@@ -93,6 +93,16 @@ def store_in_half(path):
     onnx.save(model, path)
 
 
+def weights(path):
+    """The weights of an exported graph by their names in the framework; those of linear layers are named by their nodes."""
+    model = onnx.load(path)
+    found = {tensor.name.removesuffix(".f16"): numpy_helper.to_array(tensor) for tensor in model.graph.initializer}
+    for node in model.graph.node:
+        if node.op_type == "MatMul" and node.input[1] in found:
+            found[node.name.strip("/").rsplit("/", 1)[0].replace("/", ".") + ".weight"] = found[node.input[1]].T.copy()
+    return found
+
+
 def export(module, arguments, path, inputs, outputs, axes):
     torch.onnx.export(
         module.eval(), arguments, path, input_names=inputs, output_names=outputs, dynamic_axes=axes,

@@ -4,17 +4,19 @@
 //! cargo run --release -p jrdb --example demo_accuracy -- [--models DIR] [--seed N] [--scenes N] [--engine rten|ort]
 //! ```
 //!
-//! Ten tiles of every scene, then the whole panoramas and the attributes of everybody who was found. The models were trained on seeds below 2,000.
+//! Ten tiles of every scene, then the whole panoramas and the attributes of everybody who was found, then phrases about the people of
+//! the same scenes with dealt looks. The models were trained on seeds below 2,800.
 #![allow(clippy::print_stdout, reason = "a program prints its table")]
 
 use std::path::PathBuf;
 
 use anyhow::{Result, bail};
 use jrdb_cli::evaluation::{described_table, found_table, on_panoramas, on_tiles};
+use jrdb_cli::phrase_accuracy::{on_phrases, phrase_table, summed_up};
 use jrdb_models::PerceptionOptions;
 use jrdb_models::backbone::Backbone;
 use jrdb_models::loader::{EngineChoice, EngineOptions};
-use jrdb_synth::{Practice, practice};
+use jrdb_synth::{Practice, practice, practice_with_looks};
 use rayon::prelude::*;
 
 fn main() -> Result<()> {
@@ -35,6 +37,9 @@ fn main() -> Result<()> {
     let (panoramas, described) = on_panoramas(&scenes, &whole.models)?;
     println!("{}", found_table(&format!("{} panoramas", scenes.len()), &panoramas));
     println!("{}", described_table(&described));
+    let seeds = options.seed..options.seed + options.scenes;
+    let looking: Vec<Practice> = seeds.into_par_iter().map(practice_with_looks).collect();
+    println!("{}", phrase_table(&summed_up(&on_phrases(&looking, &whole.models)?)));
     println!("{per_tile:.0} ms per tile, {} at once", rayon::current_num_threads());
     Ok(())
 }

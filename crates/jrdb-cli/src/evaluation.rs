@@ -155,8 +155,13 @@ pub fn on_panoramas(
     Ok((judge(&truth, &found, period_px), described))
 }
 
+/// Whether somebody is seen well enough to count.
+pub(crate) fn counts(scene: &Practice, seen: &Seen) -> bool {
+    Truth { image: 0, bbox: seen.bbox, visible: scene.view.visible(seen) }.counts()
+}
+
 /// The detection that shows somebody best.
-fn same<'d>(
+pub(crate) fn same<'d>(
     detections: &'d [Detection],
     seen: &Seen,
     period_px: Option<f64>,

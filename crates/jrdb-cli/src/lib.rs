@@ -8,6 +8,7 @@ pub mod inputs;
 pub mod interrupt;
 pub mod migrate;
 pub mod output;
+pub mod phrase_accuracy;
 pub mod questions;
 pub mod report;
 pub mod result;

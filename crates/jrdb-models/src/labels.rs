@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use jrdb_dataset::{Dataset, SequenceLabels};
-use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, View};
+use jrdb_perception::{AttributeModel, Grounder, Perceive, PerceptionError, PhraseModel, View};
 use jrdb_types::{Capabilities, Detections, FrameId};
 
 /// The labels of some sequences, read once.
@@ -54,6 +54,10 @@ impl Perceive for Labels {
     }
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
+        None
+    }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
         None
     }
 }

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use jrdb_perception::{AttributeModel, Grounder, KnownDetections, Perceive, PerceptionError, View};
+use jrdb_perception::{
+    AttributeModel, Grounder, KnownDetections, Perceive, PerceptionError, PhraseModel, View,
+};
 use jrdb_types::{Capabilities, Detections, FrameId};
 
 use crate::Error;
@@ -128,6 +130,10 @@ impl Perceive for Perception {
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
         self.source.attribute_model()
+    }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
+        self.source.phrase_model()
     }
 }
 

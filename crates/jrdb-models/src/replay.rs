@@ -4,9 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use jrdb_perception::exchange::{self, Exchange, replay};
-use jrdb_perception::{AttributeModel, Grounder, Grounding, Perceive, PerceptionError, View};
+use jrdb_perception::exchange_phrase::phrase_probability;
+use jrdb_perception::{
+    AttributeModel, Grounder, Grounding, Perceive, PerceptionError, PhraseModel, Subject, View,
+};
 use jrdb_types::issue::IssueKind;
-use jrdb_types::{Capabilities, Detections, FrameId, Issue};
+use jrdb_types::{Capabilities, Detections, FrameId, Issue, Vocabulary};
 
 use crate::Error;
 
@@ -84,5 +87,31 @@ impl Perceive for Replay {
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
         None
+    }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
+        self.lines.iter().any(|line| line.request.looks.is_some()).then_some(self)
+    }
+}
+
+impl PhraseModel for Replay {
+    fn weigh(
+        &self,
+        subject: &Subject<'_>,
+        phrases: &[&str],
+    ) -> Result<Vec<Option<f64>>, PerceptionError> {
+        let Subject { frame, view, detection } = *subject;
+        let told = |phrase: &&str| {
+            phrase_probability(&self.lines, frame, view.geometry, detection, phrase)
+        };
+        Ok(phrases.iter().map(told).collect())
+    }
+
+    fn phrases(&self) -> Vocabulary<String> {
+        self.lines.iter().filter_map(|line| line.request.looks.clone()).collect()
+    }
+
+    fn source(&self) -> String {
+        "replay".into()
     }
 }

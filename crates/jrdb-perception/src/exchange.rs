@@ -45,6 +45,10 @@ pub struct Request {
     /// Which attribute of the person in the box.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub topic: Option<Topic>,
+    /// The phrase that may be true of the person or object in the box, instead of a topic: "striped
+    /// shirt". The labels are `yes` and `no`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks: Option<String>,
     /// The question in words.
     pub prompt: String,
     /// A whole question: the boxes of the reply are its answer. Such a line is part of a baseline and
@@ -139,6 +143,7 @@ impl Exchange {
                 image: None,
                 bbox: None,
                 topic: None,
+                looks: None,
                 prompt: FIND.into(),
                 sentence: None,
                 labels: Vec::new(),
@@ -168,6 +173,7 @@ fn questions_about(frame: &FrameId, person: &Detection, topics: &[Topic]) -> Vec
                 image: None,
                 bbox: Some(person.bbox),
                 topic: Some(question.topic),
+                looks: None,
                 prompt: question.text,
                 sentence: None,
                 labels,

@@ -3,6 +3,7 @@
 pub mod detector;
 pub mod engine;
 pub mod exchange;
+pub mod exchange_phrase;
 #[cfg(test)]
 mod fixed;
 #[cfg(feature = "vlm")]
@@ -16,6 +17,7 @@ mod json;
 pub mod light;
 mod numbered;
 pub mod perceive;
+pub mod phrase;
 pub mod prompts;
 pub mod tiling;
 mod view;
@@ -36,4 +38,5 @@ pub use light::{
     PairConfig, PairDetector, SsdLite, SsdLiteConfig,
 };
 pub use perceive::{KnownDetections, Models, Perceive};
+pub use phrase::{PhraseModel, Subject};
 pub use view::View;

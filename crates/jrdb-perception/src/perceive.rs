@@ -12,6 +12,7 @@ use jrdb_types::{
 use rayon::prelude::*;
 
 use crate::detector::{AttributeModel, Detector, Grounder, PerceptionError};
+use crate::phrase::PhraseModel;
 use crate::view::View;
 
 /// A source of detections: labels, files, recorded replies or models.
@@ -40,6 +41,9 @@ pub trait Perceive: Send + Sync {
 
     /// The model that describes people, if any. It can describe a crop again later.
     fn attribute_model(&self) -> Option<&dyn AttributeModel>;
+
+    /// The model that judges phrases about a detection, if any.
+    fn phrase_model(&self) -> Option<&dyn PhraseModel>;
 }
 
 /// No detections, with the reason as an issue: nothing was seen, so nothing is known to be absent.
@@ -104,6 +108,10 @@ impl Perceive for KnownDetections {
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
         None
     }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
+        None
+    }
 }
 
 /// Neural perception: a detector, and a model that describes the people it finds.
@@ -115,6 +123,8 @@ pub struct Models {
     pub attributes: Option<Arc<dyn AttributeModel>>,
     /// Takes whole sentences.
     pub grounder: Option<Arc<dyn Grounder>>,
+    /// Judges phrases.
+    pub phrases: Option<Arc<dyn PhraseModel>>,
     /// The classes that the detector was trained for, where it does not know them itself.
     pub categories: Option<Vocabulary<String>>,
     /// Every setting that shapes the detections.
@@ -161,6 +171,10 @@ impl Perceive for Models {
 
     fn attribute_model(&self) -> Option<&dyn AttributeModel> {
         self.attributes.as_deref()
+    }
+
+    fn phrase_model(&self) -> Option<&dyn PhraseModel> {
+        self.phrases.as_deref()
     }
 }
 

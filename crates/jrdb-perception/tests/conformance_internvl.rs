@@ -10,7 +10,8 @@ use std::path::Path;
 use goldens::{Kind, floats, ids, json, png, text, worst};
 use jrdb_perception::Tensor;
 use jrdb_perception::generation::Tokens;
-use jrdb_perception::vlm::{InternVlConfig, Vlm, VlmParts};
+use jrdb_perception::prompts::{phrase_question, yes_no};
+use jrdb_perception::vlm::{AttributeConfig, Family, InternVlConfig, Vlm, VlmAttributes, VlmParts};
 use serde_json::Value;
 
 const FOLDER: &str = "internvl35_tiny";
@@ -138,4 +139,41 @@ fn conformance_internvl_tiles() {
     }
     println!("{tilings} tilings, pixels within {far:.1e}");
     assert!(far < 1e-5);
+}
+
+/// The framework's own numbers, made by `tools/export/yes_no_golden.py`.
+const YES_NO: &str = include_str!("data/internvl_yes_no.json");
+
+#[test]
+fn conformance_internvl_yes_no() {
+    let Some(folder) = goldens::folder(FOLDER) else { return };
+    let cases: Vec<Value> = serde_json::from_str(YES_NO).unwrap();
+    for kind in kinds() {
+        let config = config(&folder);
+        let (image_token, model) = (config.text.image_token, model(&folder, &config, &kind));
+        let family = Family::InternVl(config.clone());
+        let asked = VlmAttributes::new(model, family, AttributeConfig::default()).unwrap();
+        let tokens = Tokens::from_json(&text(&folder, "tokenizer.json")).unwrap();
+        let mut far: f64 = 0.0;
+        for of_picture in cases.chunk_by(|a, b| a["image"] == b["image"]) {
+            let name = of_picture[0]["image"].as_str().unwrap();
+            let question = |case: &Value| {
+                let [phrase, category] = ["phrase", "category"].map(|key| case[key].as_str());
+                phrase_question(phrase.unwrap(), category.unwrap())
+            };
+            let questions: Vec<String> = of_picture.iter().map(question).collect();
+            let picture = png(&folder.join(format!("{name}.png")));
+            let scores = asked.weigh_yes_no(&picture, &questions).unwrap();
+            for ((case, score), question) in of_picture.iter().zip(&scores).zip(&questions) {
+                let prompt = tokens.encode(&config.prompt(question, 1)).unwrap();
+                assert_eq!(prompt, expanded(&case["prompt"], image_token));
+                for (spelling, score) in yes_no().concat().iter().zip(score.concat()) {
+                    let expected = case["log_likelihoods"][spelling].as_f64().unwrap();
+                    far = far.max((score.log_likelihood - expected).abs());
+                }
+            }
+        }
+        println!("{}: log-likelihoods of yes and no within {far:.1e}", kind.name());
+        assert!(cases.len() >= 16 && far < 1e-3);
+    }
 }

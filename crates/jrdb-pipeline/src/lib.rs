@@ -5,6 +5,7 @@ mod config;
 mod conversation;
 mod error;
 mod frame;
+mod looks;
 pub mod motion;
 mod pipeline;
 pub mod query;

@@ -7,6 +7,7 @@ use jrdb_perception::Perceive;
 use jrdb_projection::BaseCloud;
 use jrdb_types::{Answer, Detections, Entities, FrameId, Image, Query, SceneGraph};
 
+use crate::looks::Eyes;
 use crate::query::read_query;
 use crate::{Error, Frame, PipelineConfig};
 
@@ -37,10 +38,21 @@ impl Scene {
     #[must_use]
     pub fn ask_query(&self, query: &Query) -> Answer {
         let config = self.config();
-        let mut answer = jrdb_search::search_indexed(&self.graph.index(), query, &config.search);
+        let mut answer = match Eyes::of(self.perception(), &self.frame, &self.detections) {
+            Some(eyes) => self.ask_seeing(query, eyes),
+            None => jrdb_search::search_indexed(&self.graph.index(), query, &config.search),
+        };
         if config.sensitivity {
             answer.sensitivity = jrdb_search::sensitivity(self.graph(), query, &config.search);
         }
+        answer
+    }
+
+    /// Answers a question with somebody who can look at crops.
+    fn ask_seeing(&self, query: &Query, eyes: Eyes<'_>) -> Answer {
+        let (index, config) = (self.graph.index(), &self.config().search);
+        let mut answer = jrdb_search::search_with(&index, query, config, &eyes);
+        answer.issues.extend(eyes.into_failures());
         answer
     }
 

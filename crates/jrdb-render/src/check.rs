@@ -73,6 +73,7 @@ fn finding(finding: &Finding, criterion: &Criterion) -> String {
         Finding::Holds(false) => "no".into(),
         Finding::Holds(true) => affirmed(criterion),
         Finding::Attribute { value, probability } => attribute(*value, *probability),
+        Finding::Looks { probability, source } => format!("{probability:.2}, says {source}"),
         Finding::Distance(found) => distance(found),
         Finding::Direction(found) => direction(found),
         Finding::RobotIn(found) => format!("the robot at {}", direction(found)),

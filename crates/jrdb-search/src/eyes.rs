@@ -1,5 +1,7 @@
 //! The truth of what is asked of whoever can see.
 
+use jrdb_types::answer::Finding;
+
 use crate::searcher::Searcher;
 use crate::value::{Truth, Value};
 
@@ -16,6 +18,13 @@ impl Searcher<'_, '_> {
             }
             None => Value::NOT_UNDERSTOOD,
         }
+    }
+
+    /// What was said of a thing, if somebody was asked.
+    pub(crate) fn said(&self, number: usize, words: &str) -> Option<Finding> {
+        let seen = self.seen.0.borrow();
+        let probability = (*seen.get(&(number, words.to_owned()))?)?;
+        Some(Finding::Looks { probability, source: self.eyes.source() })
     }
 
     fn looked_at(&self, number: usize, words: &str) -> Option<f64> {

@@ -13,6 +13,9 @@ pub trait Looks {
     /// Probability, in `[0, 1]`, that the words describe the thing: `a striped shirt`, `smiling`.
     /// `None` if it cannot tell.
     fn probability(&self, id: &EntityId, words: &str) -> Option<f64>;
+
+    /// Who it is, in a word or two, for the trace.
+    fn source(&self) -> String;
 }
 
 /// Nobody who could look: every phrase is unknown of everything.
@@ -22,6 +25,10 @@ pub struct Blind;
 impl Looks for Blind {
     fn probability(&self, _: &EntityId, _: &str) -> Option<f64> {
         None
+    }
+
+    fn source(&self) -> String {
+        "nobody".into()
     }
 }
 

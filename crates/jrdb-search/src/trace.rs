@@ -121,6 +121,9 @@ impl Searcher<'_, '_> {
                 let measured = known.and_then(|known| attribute::balance(known, *asked));
                 Check { finding, measured, ..base }
             }
+            (Condition::Looks(phrase), _) => {
+                Check { finding: self.said(number, &phrase.words), ..base }
+            }
             _ => base,
         }
     }

@@ -1,5 +1,6 @@
 //! Puts groups, people and furniture into the room: nobody inside a wall, a table or somebody else.
 
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use jrdb_projection::nalgebra::{Rotation2, Vector2};
@@ -267,6 +268,7 @@ impl Traits {
             action: Action::Standing,
             height_m: height_m(age, gender, random),
             look: Look::new(age, gender, race, top, random),
+            features: BTreeSet::new(),
             start_m: Vector2::zeros(),
             heading_rad: PI,
             speed_m_s: 0.0,

@@ -2,6 +2,8 @@
 
 mod cast;
 mod config;
+mod dress;
+mod feature;
 mod furniture;
 mod labels;
 mod lidar;
@@ -36,9 +38,10 @@ use random::Random;
 use room::Room;
 
 pub use config::SynthConfig;
+pub use feature::Feature;
 pub use robot::calibration;
 pub use room::Setting;
-pub use training::{Practice, TILE_PX, practice};
+pub use training::{Practice, TILE_PX, practice, practice_with_looks};
 pub use view::{InTile, Seen, View};
 
 /// File of the questions, below the root of a scene, in JRDB-Reasoning's form.
@@ -99,9 +102,28 @@ pub fn generate(config: &SynthConfig) -> World {
     let config = SynthConfig { people: config.people.min(PEOPLE_MAX), ..config.clone() };
     let room = Room::new(config.setting, &mut Random::stream(config.seed, 1));
     let path_seconds = seconds(config.frames.saturating_sub(1));
-    let cast = cast::cast(&config, &room, path_seconds);
+    let mut cast = cast::cast(&config, &room, path_seconds);
+    let looks = dress::dress(&mut cast, &config.looks);
     let headwear = headwear(&cast, &config.headwear);
-    World { config: SynthConfig { headwear, ..config }, room, cast }
+    World { config: SynthConfig { headwear, looks, ..config }, room, cast }
+}
+
+/// The configuration with looks dealt to everybody. The same configuration gives the same looks.
+///
+/// ```
+/// use jrdb_synth::{SynthConfig, generate, with_looks};
+/// let config = with_looks(&SynthConfig::default());
+/// assert_eq!(config.looks.len(), config.people);
+/// assert_eq!(generate(&config).config().looks, config.looks);
+/// ```
+#[must_use]
+pub fn with_looks(config: &SynthConfig) -> SynthConfig {
+    let plain = generate(&SynthConfig { looks: Vec::new(), ..config.clone() });
+    let mut random = Random::stream(config.seed, 4);
+    let people = plain.cast.people.iter();
+    let looks =
+        people.map(|person| dress::deal(person, &mut random).into_iter().collect()).collect();
+    generate(&SynthConfig { looks, ..plain.config }).config
 }
 
 /// What each person wears on the head: as listed, then as drawn.
@@ -198,7 +220,9 @@ impl World {
             let drawn = picture.drawn.iter().find(|drawn| drawn.id == subject.id())?;
             let mut attributes = labels::attributes(person);
             attributes.facing = Belief::certain(paint::facing_of(pose));
-            Some(Seen { instance, pixels: drawn.pixels, bbox: drawn.bbox, attributes })
+            let (pixels, bbox) = (drawn.pixels, drawn.bbox);
+            let features = person.features.iter().copied().collect();
+            Some(Seen { instance, pixels, bbox, attributes, features })
         };
         let people = (1..).zip(&subjects).filter_map(seen).collect();
         View { image: picture.image, instances: picture.instances, people }

@@ -1,9 +1,12 @@
 //! The people: who they are, where they go, and what a LiDAR ray meets of them.
 
+use std::collections::BTreeSet;
+
 use jrdb_projection::nalgebra::{Point3, Rotation2, Vector2, Vector3};
 use jrdb_projection::relation::wrap_rad;
 use jrdb_types::{Action, Age, Box3d, Gender, Race};
 
+use super::feature::Feature;
 use super::random::Random;
 use super::room::{Color, FLOOR_M};
 use super::solid::{Shape, Solid};
@@ -18,6 +21,8 @@ pub(super) struct Person {
     pub(super) action: Action,
     pub(super) height_m: f64,
     pub(super) look: Look,
+    /// What is true of their looks beyond that.
+    pub(super) features: BTreeSet<Feature>,
     /// Where the trunk stands in the first frame, metres in the base frame.
     pub(super) start_m: Vector2<f64>,
     /// Where they look in the first frame, radians counter-clockwise from +x.
@@ -302,6 +307,7 @@ pub(super) mod tests {
             action: Action::Walking,
             height_m: 1.8,
             look: Look::new(Age::Young, Gender::Male, Race::Asian, TOPS[0], &mut random),
+            features: BTreeSet::new(),
             start_m: Vector2::new(4.0, 0.0),
             heading_rad: std::f64::consts::FRAC_PI_2,
             speed_m_s: 1.2,

@@ -274,3 +274,53 @@ proptest! {
         prop_assert!(frame.clouds.iter().all(|cloud| cloud.len() > 10_000));
     }
 }
+
+/// How many of the pixels in a person's box differ between two worlds of the same people.
+fn changed(plain: &World, other: &World, person: usize) -> usize {
+    let [a, b] = [plain, other].map(|world| world.view(0));
+    let seen = &b.people[person];
+    let own = |pixel: &usize| b.instances[*pixel] == seen.instance;
+    let differs = |pixel: &usize| a.image.rgb[3 * pixel..][..3] != b.image.rgb[3 * pixel..][..3];
+    (0..b.instances.len()).filter(own).filter(differs).count()
+}
+
+#[test]
+fn what_shows_is_drawn() {
+    let config = SynthConfig { seed: 3, people: 4, ..SynthConfig::default() };
+    let plain = generate(&config);
+    let plain_view = plain.view(0);
+    for feature in Feature::ALL {
+        let looks = vec![vec![feature]; 4];
+        let dressed = generate(&SynthConfig { looks, ..config.clone() });
+        for (person, seen) in plain_view.people.iter().enumerate() {
+            let is_new = !seen.features.contains(&feature);
+            if is_new && seen.shows(feature) && plain_view.visible(seen) > 0.9 {
+                let pixels = changed(&plain, &dressed, person);
+                assert!(pixels > 40, "{feature:?} of {person}: {pixels}");
+            }
+        }
+    }
+}
+
+#[test]
+fn dealt_looks_are_stated_and_draw_the_same_again() {
+    let config = with_looks(&SynthConfig { seed: 8, people: 12, ..SynthConfig::default() });
+    let text = serde_json::to_string(&config).unwrap();
+    assert!(text.contains("striped_shirt"), "{text}");
+    let (view, read) = (generate(&config).view(0), serde_json::from_str(&text).unwrap());
+    assert_eq!(generate(&read).view(0), view);
+    for (seen, listed) in view.people.iter().zip(&config.looks) {
+        assert_eq!(seen.features, *listed);
+    }
+    let dealt = |feature| config.looks.iter().any(|all| all.contains(&feature));
+    assert!(Feature::ALL.into_iter().filter(|feature| dealt(*feature)).count() >= 10);
+}
+
+#[test]
+fn without_looks_nothing_is_stated_and_nothing_changes() {
+    let config = SynthConfig { seed: 5, people: 3, ..SynthConfig::default() };
+    let plain = generate(&config);
+    assert!(!serde_json::to_string(plain.config()).unwrap().contains("looks"));
+    let none = SynthConfig { looks: vec![Vec::new(); 3], ..config };
+    assert_eq!(generate(&none).view(0), plain.view(0));
+}

@@ -4,7 +4,7 @@ use jrdb_perception::image::{Wrap, crop};
 use jrdb_types::{Image, PixelBox};
 
 use super::random::Random;
-use super::{Setting, SynthConfig, View, generate};
+use super::{Setting, SynthConfig, View, generate, with_looks};
 
 /// Tiles as the demo's detector cuts panoramas: as high as they are, this wide.
 pub const TILE_PX: usize = 640;
@@ -29,12 +29,24 @@ pub struct Practice {
 /// A scene of any kind with 4 to 16 people.
 #[must_use]
 pub fn practice(seed: u64) -> Practice {
+    let (config, random) = planned(seed);
+    Practice { view: generate(&config).view(0), random }
+}
+
+/// The scene of [`practice`] with looks dealt to everybody.
+#[must_use]
+pub fn practice_with_looks(seed: u64) -> Practice {
+    let (config, random) = planned(seed);
+    Practice { view: generate(&with_looks(&config)).view(0), random }
+}
+
+fn planned(seed: u64) -> (SynthConfig, Random) {
     const SPREAD: u64 = 0x2545_f491_4f6c_dd1d;
     let mut random = Random::seeded(seed.wrapping_mul(SPREAD));
     let setting = random.pick(&[Setting::Plaza, Setting::Cafe, Setting::Corridor]);
     let people = 4 + (random.unit() * 13.0) as usize;
     let config = SynthConfig { seed, people, setting, ..SynthConfig::default() };
-    Practice { view: generate(&config).view(0), random }
+    (config, random)
 }
 
 impl Practice {

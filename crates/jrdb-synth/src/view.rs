@@ -2,6 +2,8 @@
 
 use jrdb_types::{Attributes, Image, PixelBox};
 
+use super::feature::Feature;
+
 /// A frame's picture without sweeps and questions, and who is in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct View {
@@ -24,6 +26,20 @@ pub struct Seen {
     pub bbox: PixelBox,
     /// What is true of them, which way they face included.
     pub attributes: Attributes,
+    /// What is true of their looks beyond that, sorted; some of it may not show from here ([`Feature::shows`]).
+    pub features: Vec<Feature>,
+}
+
+impl Seen {
+    /// Whether the picture shows that they look so, or that they do not. A head that its border cuts
+    /// shows nothing.
+    #[must_use]
+    pub fn shows(&self, feature: Feature) -> bool {
+        let (facing, action) = (self.attributes.facing.best(), self.attributes.action().best());
+        let is_cut = self.bbox.y <= 0.0;
+        facing.zip(action).is_some_and(|(facing, action)| feature.shows(facing, action))
+            && !(is_cut && feature.is_on_the_head())
+    }
 }
 
 /// A person in a part of the panorama.

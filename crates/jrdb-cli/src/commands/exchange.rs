@@ -14,10 +14,13 @@ use jrdb_dataset::PngCompression;
 use jrdb_models::Perception;
 use jrdb_parser::ParserConfig;
 use jrdb_perception::exchange::{Exchange, FIND, Request, whole_question};
+use jrdb_perception::exchange_phrase::ask_phrase;
 use jrdb_perception::image::crop;
 use jrdb_perception::prompts::Topic;
+use jrdb_perception::{Perceive, PerceptionError, Subject, View};
 use jrdb_pipeline::Pipeline;
-use jrdb_types::{FrameId, Image};
+use jrdb_types::detection::PERSON;
+use jrdb_types::{Detection, Detections, FrameId, Image};
 
 use super::args::{PerceptionArgs, SourceArgs};
 use super::print::say;
@@ -37,6 +40,9 @@ pub(crate) struct ExchangeArgs {
     /// Ask each question of these files as a whole instead: the requests of a baseline
     #[arg(long, value_name = "FILE", conflicts_with = "find")]
     questions: Vec<PathBuf>,
+    /// Ask of every person whether this phrase is true, "striped shirt" say; may be repeated
+    #[arg(long, value_name = "PHRASE", conflicts_with_all = ["find", "questions"])]
+    looks: Vec<String>,
     /// A crop is larger than its box by this part of it on each side
     #[arg(long, default_value_t = 0.1, value_name = "PART")]
     margin: f64,
@@ -110,8 +116,9 @@ fn panorama(frame: &FrameSource, out: &Path) -> Result<Option<String>, Error> {
 /// A line that asks about the whole panorama.
 fn about(frame: &FrameSource, image: String, prompt: String, sentence: Option<String>) -> Exchange {
     let frame = frame.id.clone();
-    let (bbox, topic, labels) = (None, None, Vec::new());
-    let request = Request { frame, image: Some(image), bbox, topic, prompt, sentence, labels };
+    let (bbox, topic, looks, labels) = (None, None, None, Vec::new());
+    let request =
+        Request { frame, image: Some(image), bbox, topic, looks, prompt, sentence, labels };
     Exchange { request, reply: None }
 }
 
@@ -125,6 +132,7 @@ fn of(
     let read = frame.image_only();
     let detections = Pipeline::sharing(robot, shared, Arc::default()).perceive(&read)?;
     let mut lines = Exchange::record(&detections, &Topic::ALL);
+    lines.extend(looks(&detections, read.pixels(), perception, &args.looks)?);
     let Some(image) = read.pixels() else { return Ok(lines) };
     let mut last = None;
     let mut number = 0;
@@ -140,6 +148,30 @@ fn of(
         }
     }
     Ok(lines)
+}
+
+/// Asks whether phrases are true of the people, with the answers of perception that can be asked.
+fn looks(
+    detections: &Detections,
+    image: Option<&Image>,
+    perception: &Perception,
+    phrases: &[String],
+) -> Result<Vec<Exchange>, Error> {
+    let phrases: Vec<&str> = phrases.iter().map(String::as_str).collect();
+    let (frame, view) = (&detections.frame, View { geometry: detections.image, image });
+    let people = detections.detections.iter().filter(|one| one.category == PERSON);
+    let about = |detection: &Detection| {
+        let subject = Subject { frame, view, detection };
+        let told = match perception.phrase_model() {
+            Some(model) => model.weigh(&subject, &phrases)?,
+            None => vec![None; phrases.len()],
+        };
+        let lines = phrases.iter().zip(told);
+        Ok(lines
+            .filter_map(|(phrase, told)| ask_phrase(frame, detection, phrase, told))
+            .collect::<Vec<_>>())
+    };
+    Ok(people.map(about).collect::<Result<Vec<_>, PerceptionError>>()?.concat())
 }
 
 fn stem(frame: &FrameId) -> String {

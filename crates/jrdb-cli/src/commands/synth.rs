@@ -25,8 +25,11 @@ pub(crate) struct SynthArgs {
     /// Name of the sequence
     #[arg(long, value_name = "NAME")]
     sequence: Option<String>,
+    /// People look in more ways: striped shirts, glasses, beards, scarves, ties, … scene.json states them
+    #[arg(long)]
+    looks: bool,
     /// All of this from a scene.json instead
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "people", "frames", "setting", "sequence"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["seed", "people", "frames", "setting", "sequence", "looks"])]
     config: Option<PathBuf>,
     /// Folder for the dataset
     #[arg(long, value_name = "DIR")]
@@ -47,7 +50,7 @@ enum Setting {
 impl SynthArgs {
     fn config(&self) -> Result<SynthConfig, Error> {
         let Some(path) = &self.config else {
-            return Ok(SynthConfig {
+            let plain = SynthConfig {
                 seed: self.seed,
                 people: self.people.into(),
                 frames: self.frames,
@@ -58,7 +61,8 @@ impl SynthArgs {
                 },
                 sequence: self.sequence.clone().unwrap_or_else(|| self.default_sequence()),
                 ..SynthConfig::default()
-            });
+            };
+            return Ok(if self.looks { jrdb_synth::with_looks(&plain) } else { plain });
         };
         let read = |source| Error::File { action: "read", path: path.clone(), source };
         let text = std::fs::read_to_string(path).map_err(read)?;

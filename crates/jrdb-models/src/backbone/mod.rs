@@ -22,7 +22,7 @@ use jrdb_perception::vlm::{
     AttributeConfig, Family, InternVlConfig, Qwen25VlConfig, Vlm, VlmAttributes, VlmParts,
 };
 use jrdb_perception::{
-    AttributeModel, Detector, Engine, Grounder, Models, PerceptionError, SsdLiteConfig,
+    AttributeModel, Detector, Engine, Grounder, Models, PerceptionError, PhraseModel, SsdLiteConfig,
 };
 use serde::Deserialize;
 
@@ -56,6 +56,9 @@ pub struct Backbone {
     /// What describes people; nobody does if absent.
     #[serde(default)]
     pub attributes: Option<AttributeFiles>,
+    /// What judges phrases, where it is another model than what describes people.
+    #[serde(default)]
+    pub phrases: Option<AttributeFiles>,
 }
 
 /// A detector's files and settings.
@@ -178,25 +181,41 @@ impl Backbone {
         let loader = Loader::new(&options.engine)?;
         let mut notes = vec![format!("{name}: {}", self.about), loader.note().into()];
         let (detector, grounder) = self.detector.open(folder, &loader)?;
-        let attributes = self.attributes.as_ref();
-        let attributes =
-            attributes.map(|files| files.open(folder, &loader, options.demographics, &mut notes));
-        let (attributes, attribute_config) = attributes.transpose()?.unzip();
-        let config = serde_json::json!({
+        let mut open = |files: &Option<AttributeFiles>| {
+            let opened = files
+                .as_ref()
+                .map(|one| one.open(folder, &loader, options.demographics, &mut notes));
+            Ok::<_, Error>(opened.transpose()?.unzip())
+        };
+        let (describing, attribute_config) = open(&self.attributes)?;
+        let (judging, phrase_config) = open(&self.phrases)?;
+        let Describing { attributes, phrases } = describing.unwrap_or_default();
+        let phrases = judging.map_or(phrases, |judging: Describing| judging.phrases);
+        let mut config = serde_json::json!({
             "perception": name,
             "about": self.about,
             "detector": detector.config(),
             "attributes": attribute_config,
         });
+        if let Some(phrase_config) = phrase_config {
+            config["phrases"] = phrase_config;
+        }
         notes.extend(loader.warnings());
         let categories = self.categories.as_ref().map(|all| all.iter().cloned().collect());
-        let models = Models { detector, attributes, grounder, categories, config };
+        let models = Models { detector, attributes, grounder, phrases, categories, config };
         Ok(Opened { models, notes })
     }
 }
 
 type OpenDetector = (Arc<dyn Detector>, Option<Arc<dyn Grounder>>);
-type OpenAttributes = (Arc<dyn AttributeModel>, serde_json::Value);
+type OpenAttributes = (Describing, serde_json::Value);
+
+/// What describes people, and what judges phrases.
+#[derive(Default)]
+struct Describing {
+    attributes: Option<Arc<dyn AttributeModel>>,
+    phrases: Option<Arc<dyn PhraseModel>>,
+}
 
 impl DetectorFiles {
     fn open(&self, models: &Path, loader: &Loader) -> Result<OpenDetector, Error> {
@@ -237,13 +256,13 @@ impl AttributeFiles {
             Self::Appearance(files) => {
                 let model = light::appearance(files, models, loader, demographics, notes)?;
                 let config = model.config();
-                return Ok((model, config));
+                return Ok((Describing { attributes: Some(model), phrases: None }, config));
             }
         };
         let folder = Folder::new(models, graphs);
         let model = VlmAttributes::new(vlm, family, settings.clone()).map_err(folder.refused())?;
-        let config = model.config();
-        Ok((Arc::new(model), config))
+        let (config, model) = (model.config(), Arc::new(model));
+        Ok((Describing { attributes: Some(model.clone()), phrases: Some(model) }, config))
     }
 }
 

@@ -77,6 +77,7 @@ mod coordination;
 mod discourse;
 mod distribution;
 mod garment;
+mod gesture;
 mod interaction;
 mod kind;
 mod location;

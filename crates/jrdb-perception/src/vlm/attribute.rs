@@ -1,9 +1,10 @@
 //! A person's attributes by asking a vision-language model about a crop.
 
-use jrdb_types::{Attribute, Attributes, Detection, Image};
+use jrdb_types::{Attribute, Attributes, Detection, Image, Vocabulary};
 use serde::{Deserialize, Serialize};
 
 use super::family::Family;
+use super::memory::Memory;
 use super::model::{PromptState, Vlm};
 use super::score::{free_answer, probabilities, shared_beginning};
 use crate::detector::{AttributeModel, PerceptionError, check_image};
@@ -39,6 +40,12 @@ pub struct AttributeConfig {
     /// Longest free answer, tokens. Default 24: the words of every vocabulary and a sentence around
     /// them.
     pub answer_tokens_max: usize,
+    /// The phrases that the model can judge, in lower case and without the words before them that
+    /// [`bare_phrase`](crate::prompts::bare_phrase) drops. Default: any.
+    pub phrases: Vocabulary<String>,
+    /// A probability nearer to one half than this does not decide whether a phrase is true: the
+    /// model cannot tell. In `[0, 0.5]`. Default 0.1: odds of three to two.
+    pub undecided: f64,
     /// Whether the picture is a panorama whose last column borders on the first.
     pub wraps: bool,
 }
@@ -52,19 +59,22 @@ impl Default for AttributeConfig {
             margin: 0.02,
             temperature: 1.0,
             answer_tokens_max: 24,
+            phrases: Vocabulary::OPEN,
+            undecided: 0.1,
             wraps: true,
         }
     }
 }
 
-/// Describes people with a vision-language model.
+/// Describes people with a vision-language model, and judges phrases about people and objects.
 #[derive(Debug)]
 pub struct VlmAttributes {
-    vlm: Vlm,
-    family: Family,
-    config: AttributeConfig,
+    pub(super) vlm: Vlm,
+    pub(super) family: Family,
+    pub(super) config: AttributeConfig,
     questions: Vec<Question>,
-    end: u32,
+    pub(super) end: u32,
+    pub(super) memory: Memory,
 }
 
 impl VlmAttributes {
@@ -82,8 +92,11 @@ impl VlmAttributes {
         if config.temperature.is_nan() || config.temperature <= 0.0 {
             return Err(wrong("temperature", "above 0", config.temperature));
         }
+        if !(0.0..=0.5).contains(&config.undecided) {
+            return Err(wrong("undecided", "in [0, 0.5]", config.undecided));
+        }
         let (questions, end) = (questions(&config.topics), vlm.tokens().id("<|im_end|>")?);
-        Ok(Self { vlm, family, config, questions, end })
+        Ok(Self { vlm, family, config, questions, end, memory: Memory::default() })
     }
 
     /// Name of the engine that runs the model.

@@ -4,26 +4,28 @@ use jrdb_types::{Age, Gender};
 
 use super::person::{Facing, Figure};
 use super::shade::shade;
+use crate::feature::Feature;
 use crate::room::Color;
 
-const DARK: Color = [22, 20, 20];
-const WHITE: Color = [248, 246, 242];
+pub(super) const DARK: Color = [22, 20, 20];
+pub(super) const WHITE: Color = [248, 246, 242];
 const GREY_TEMPLES: Color = [172, 172, 174];
 const LIPS: Color = [176, 52, 60];
 
 impl Figure<'_> {
     /// Half the width of the head as seen.
-    fn head_half(&self) -> f64 {
+    pub(super) fn head_half(&self) -> f64 {
         self.build.head * if self.side == 0.0 { 0.41 } else { 0.44 }
     }
 
     /// Hair down to the shoulders, between two places across the head.
     pub(super) fn long_hair(&mut self, [left, right]: [f64; 2], factor: f64) {
-        if self.person.gender == Gender::Male {
+        let is_long = self.has(Feature::LongHair);
+        if self.person.gender == Gender::Male && !is_long {
             return;
         }
         let ([x, y], half) = (self.head, self.head_half());
-        let low = self.build.neck - if self.person.age == Age::Elderly { -0.01 } else { 0.075 };
+        let low = self.build.neck - if is_long { 0.075 } else { -0.01 };
         let outline = [
             [x + left * half, y + 0.01],
             [x + right * half, y + 0.01],

@@ -2,7 +2,9 @@
 
 mod background;
 mod canvas;
+mod clothes;
 mod head;
+mod head_things;
 mod pen;
 mod person;
 mod shade;

@@ -76,16 +76,16 @@ pub(super) struct Figure<'a> {
     pub(super) facing: Facing,
     pub(super) side: f64,
     /// Half the width of the trunk as seen.
-    half: f64,
+    pub(super) half: f64,
     /// How far the neck is beside the hip.
-    lean: f64,
+    pub(super) lean: f64,
     /// Middle of the head.
     pub(super) head: [f64; 2],
     pose: &'a Pose,
 }
 
 const LEG: f64 = 0.072;
-const ARM: f64 = 0.05;
+pub(super) const ARM: f64 = 0.05;
 const SHOE: f64 = 0.036;
 
 impl Figure<'_> {
@@ -106,8 +106,11 @@ impl Figure<'_> {
             arms.iter().for_each(|arm| self.arm(arm, 0.84));
         }
         self.trunk();
+        self.shirt();
         self.skirt();
+        self.clothes();
         self.face();
+        self.worn_on_the_head();
         if self.side != 0.0 {
             self.arm(&arms[1], 0.84);
         } else if !arms_behind && !is_walking {
@@ -117,6 +120,7 @@ impl Figure<'_> {
             self.bag();
         }
         self.cane();
+        self.umbrella(&arms[0]);
     }
 
     fn bottom(&self) -> Color {
@@ -218,6 +222,7 @@ impl Figure<'_> {
         let [shoulder, elbow, hand] = *points;
         let wrist = [0, 1].map(|axis| hand[axis] + 0.15 * (elbow[axis] - hand[axis]));
         self.pen.limb(&[shoulder, elbow, wrist], ARM, shade(self.look.top, factor));
+        self.sleeve(&[shoulder, elbow, wrist], factor);
     }
 
     fn trunk(&mut self) {
@@ -240,7 +245,7 @@ impl Figure<'_> {
         self.rectangle(belt, shade(self.look.bottom, 0.8));
     }
 
-    fn rectangle(&mut self, [[left, low], [right, high]]: [[f64; 2]; 2], color: Color) {
+    pub(super) fn rectangle(&mut self, [[left, low], [right, high]]: [[f64; 2]; 2], color: Color) {
         self.pen.polygon(&[[left, low], [right, low], [right, high], [left, high]], color);
     }
 

@@ -97,6 +97,13 @@ pub enum Finding {
         /// Its probability in `[0, 1]`.
         probability: f64,
     },
+    /// What whoever was asked says of a description that no table holds.
+    Looks {
+        /// Probability that the description is true, in `[0, 1]`.
+        probability: f64,
+        /// Who was asked, in a word or two.
+        source: String,
+    },
     /// How far it is.
     Distance(DistanceFound),
     /// In which direction it is, seen from whoever the condition says.
