@@ -54,20 +54,7 @@ pub(crate) struct ExchangeArgs {
 pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
     let source = &args.source;
     let frames = list_frames(&source.sources()?, source.frames.as_ref(), &source.robot())?;
-    let perception = Arc::new(args.perception.open(&frames)?);
-    perception.notes().iter().for_each(|note| eprintln!("{note}"));
-    let mut lines = Vec::new();
-    if !args.questions.is_empty() {
-        lines = whole_questions(&frames, args)?;
-    } else {
-        for frame in &frames {
-            lines.extend(if args.find {
-                find(frame, &args.out)?
-            } else {
-                of(frame, &perception, args)?
-            });
-        }
-    }
+    let lines = lines(&frames, args)?;
     let mut text = String::new();
     for line in &lines {
         text.push_str(&serde_json::to_string(line)?);
@@ -82,6 +69,26 @@ pub(crate) fn exchange(args: &ExchangeArgs) -> Result<ExitCode> {
         lines.len()
     ))?;
     Ok(ExitCode::SUCCESS)
+}
+
+/// The lines about all frames. Perception is opened only where it has something to say.
+fn lines(frames: &[FrameSource], args: &ExchangeArgs) -> Result<Vec<Exchange>> {
+    if !args.questions.is_empty() {
+        return Ok(whole_questions(frames, args)?);
+    }
+    let mut lines = Vec::new();
+    if args.find {
+        for frame in frames {
+            lines.extend(find(frame, &args.out)?);
+        }
+        return Ok(lines);
+    }
+    let perception = Arc::new(args.perception.open(frames)?);
+    perception.notes().iter().for_each(|note| eprintln!("{note}"));
+    for frame in frames {
+        lines.extend(of(frame, &perception, args)?);
+    }
+    Ok(lines)
 }
 
 /// Asks what is in the panorama.
